@@ -1,0 +1,57 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/stats.h"
+#include "gpu/device.h"
+#include "rays/ray_scene.h"
+#include "scene/frame_scene.h"
+#include "view/receiver_layer.h"
+
+namespace dapple::methods {
+
+/// What a method does for a scene, and why: a line of the plan.
+struct Support {
+    enum class Degree { yes, partly, no };
+    Degree degree = Degree::yes;
+    std::string reason;
+};
+
+/// E for one receiver layer, width * height entries.
+struct LayerResult {
+    std::vector<glm::vec3> irradiance;   ///< W/m^2; 0 where not covered
+    std::vector<std::uint8_t> covered;   ///< 1 where the method answers for this receiver
+};
+
+/// What a method may use of the frame. All references outlive the frame.
+struct FrameContext {
+    const scene::FrameScene& scene;
+    const rays::RayScene& rays;
+    gpu::Device& device;
+    FrameStats& stats;
+};
+
+/// A way to find the caustic irradiance E at receivers. A method never sees other methods, the film or the
+/// timeline, and never fills silently what it does not support: there E and `covered` are 0.
+class CausticMethod {
+public:
+    virtual ~CausticMethod() = default;
+    virtual Support supports_surface(const scene::FrameScene& scene) const = 0;
+    /// Memory that it needs beside the scene, in bytes.
+    virtual std::size_t bytes(const scene::FrameState& state, std::size_t pixels) const = 0;
+    /// Light side, once a frame.
+    virtual void begin(FrameContext& context) = 0;
+    /// E of each layer; any batching of layers gives the same bits. `results` has one entry a layer.
+    virtual void irradiance(FrameContext& context, std::span<const view::ReceiverLayer> layers,
+                            std::span<LayerResult> results) = 0;
+};
+
+/// The method of that name (scene::Caustics::method); throws Error(timeline_invalid) where there is none.
+std::unique_ptr<CausticMethod> make_method(const std::string& name);
+
+}  // namespace dapple::methods

@@ -1,0 +1,38 @@
+#pragma once
+#include <glm/glm.hpp>
+
+/// The physics that shaders and C++ share (shaders/optics/), in float (`dapple::optics::f32`, what the device
+/// runs) and in double (`dapple::optics::f64`).
+namespace dapple::optics {
+
+#include "optics/language.h"
+
+namespace f32 {
+using real = float;
+using real2 = glm::vec2;
+using real3 = glm::vec3;
+using glm::cross;
+using glm::dot;
+using glm::length;
+using glm::max;
+using glm::min;
+using glm::normalize;
+using glm::sqrt;
+#include "optics/refraction.h"
+}  // namespace f32
+
+namespace f64 {
+using real = double;
+using real2 = glm::dvec2;
+using real3 = glm::dvec3;
+using glm::cross;
+using glm::dot;
+using glm::length;
+using glm::max;
+using glm::min;
+using glm::normalize;
+using glm::sqrt;
+#include "optics/refraction.h"
+}  // namespace f64
+
+}  // namespace dapple::optics

@@ -1,0 +1,53 @@
+#pragma once
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <memory>
+#include <span>
+
+#include "scene/frame_scene.h"
+
+namespace dapple::rays {
+
+/// A ray in float, relative to FrameScene::origin. `direction` need not be unit: distances are in its lengths.
+struct Ray {
+    glm::vec3 origin;
+    float near = 0;
+    glm::vec3 direction;
+    float far = std::numeric_limits<float>::infinity();
+};
+
+constexpr std::uint32_t kNoHit = 0xffffffffu;
+
+struct Hit {
+    float distance = std::numeric_limits<float>::infinity();  ///< in lengths of the ray's direction
+    std::uint32_t object = kNoHit;     ///< index into FrameState::objects; 0 for the water
+    std::uint32_t primitive = kNoHit;  ///< triangle of the mesh; kNoHit where nothing was hit
+    glm::vec2 barycentric{0, 0};
+    glm::vec3 normal{0, 1, 0};  ///< geometric, not normalised, outward
+};
+
+/// Embree's view of one frame: the objects and the water, apart. The only user of Embree; fixed instruction set
+/// (avx2), robust traversal. Thread-safe once built.
+class RayScene {
+public:
+    explicit RayScene(const scene::FrameScene& scene);
+    ~RayScene();
+    RayScene(RayScene&&) noexcept;
+    RayScene& operator=(RayScene&&) noexcept;
+
+    /// Nearest hits of a few hundred to thousands of coherent rays, in packets; called from within parallel_for.
+    void intersect_objects(std::span<const Ray> rays, std::span<Hit> hits) const;
+    void intersect_water(std::span<const Ray> rays, std::span<Hit> hits) const;
+    /// 1 where an object lies between `near` and `far`.
+    void occluded_by_objects(std::span<const Ray> rays, std::span<std::uint8_t> occluded) const;
+
+    bool has_objects() const;
+    /// Bounds of the objects, m, relative to the origin; empty scene: lower > upper.
+    void object_bounds(glm::vec3& lower, glm::vec3& upper) const;
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+}  // namespace dapple::rays

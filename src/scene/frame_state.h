@@ -1,0 +1,153 @@
+#pragma once
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "scene/water_surface.h"
+
+/// Plain data of one instant. Lengths are metres, times seconds, angles radians; right-handed, y up; the rest
+/// plane of the water is y = 0. Colours are linear, in the OCIO role scene_linear.
+namespace dapple::scene {
+
+/// Frames a second as an exact fraction (24000/1001).
+struct Rational {
+    std::int64_t numerator = 24;
+    std::int64_t denominator = 1;
+    double value() const { return static_cast<double>(numerator) / static_cast<double>(denominator); }
+};
+
+struct Clip {
+    std::string name = "clip";
+    Rational fps;
+    std::int64_t first_frame = 1;
+    std::int64_t last_frame = 1;  ///< included
+    int width = 960;              ///< pixels
+    int height = 540;
+    int samples = 4;  ///< camera paths a pixel
+    std::uint64_t seed = 0;
+};
+
+enum class Projection { perspective, orthographic };
+
+/// The camera is under water when its position is (inside the water's extent and below its surface).
+struct Camera {
+    Projection projection = Projection::perspective;
+    glm::dvec3 position{0, -1, 5};
+    glm::dvec3 target{0, -1, 0};
+    glm::dvec3 up{0, 1, 0};
+    double field_of_view = 0.8727;  ///< rad, vertical, perspective only (50 deg)
+    double view_height = 2;         ///< m, height of the picture at any depth, orthographic only
+};
+
+enum class ExtentKind {
+    pool,        ///< the water ends at the rectangle
+    open_water,  ///< for camera rays the rest plane goes on outside the rectangle; light enters inside it only
+};
+
+struct Extent {
+    ExtentKind kind = ExtentKind::pool;
+    glm::dvec2 center{0, 0};  ///< x, z [m]
+    glm::dvec2 size{10, 10};  ///< along x, z [m]
+};
+
+struct Water {
+    WaterSurface surface;
+    Extent extent;
+    /// Triangles of the mesh: cells along x; 0 picks 25 cells a shortest wave, at most 2.1 million triangles.
+    int mesh_cells = 0;
+    double refractive_index = 1.333;
+    glm::dvec3 absorption{0.35, 0.06, 0.03};  ///< /m, a channel
+    /// /m, K_d of the sky term (CONVENTIONS.md); negative: the same as absorption.
+    glm::dvec3 diffuse_attenuation{-1, -1, -1};
+};
+
+enum class LightType { sun, point, spot };
+
+struct Light {
+    std::string name;
+    LightType type = LightType::sun;
+    glm::dvec3 direction{0, -1, 0};  ///< unit, of travel; sun and spot
+    glm::dvec3 position{0, 3, 0};    ///< m; point and spot
+    glm::dvec3 irradiance{3, 3, 3};  ///< W/m^2 on a plane that faces the sun
+    glm::dvec3 intensity{10, 10, 10};  ///< W/sr; point, and on the axis of a spot
+    double angular_diameter = 0.00925;  ///< rad, sun; 0.53 deg; 0 is directional
+    double cone_angle = 0.5236;         ///< rad, spot: half-angle where its light has fallen to nothing
+    double falloff_angle = 0.0873;      ///< rad, spot: width of the smooth edge inside the cone
+};
+
+enum class Shape { plane, box, sphere, mesh };
+
+/// world = translation * rotation(y, then x, then z; degrees in the file) * scale, applied to the shape at the origin.
+struct Transform {
+    glm::dvec3 position{0, 0, 0};
+    glm::dvec3 rotation{0, 0, 0};  ///< rad about x, y, z; applied in the order y * x * z (heading, pitch, roll)
+    glm::dvec3 scale{1, 1, 1};
+};
+
+struct Material {
+    glm::dvec3 color{0.5, 0.5, 0.5};  ///< diffuse albedo in [0, 1]
+    std::string texture;              ///< path (EXR or PNG), empty: none; multiplies `color`
+    double texture_size = 1;          ///< m that one repeat of the texture covers (planes, boxes, spheres)
+    bool mirror = false;              ///< perfect specular reflector of `color`
+};
+
+/// Shapes at the origin: a plane faces +y and measures size.x by size.z; a box measures `size`, centred; a
+/// sphere has `radius`; a mesh is read from `file`.
+struct Object {
+    std::string name;
+    Shape shape = Shape::plane;
+    glm::dvec3 size{1, 1, 1};  ///< m
+    double radius = 0.5;       ///< m
+    std::string file;          ///< PLY or OBJ
+    Transform transform;
+    Material material;
+};
+
+/// Constant radiance from all directions of the air that hit nothing [W/m^2/sr]; also lights diffusely (E_sky).
+struct Sky {
+    glm::dvec3 radiance{0, 0, 0};
+};
+
+struct PhotonSplattingParameters {
+    int map_resolution = 1024;  ///< photons along the longer side of the water's extent
+};
+
+struct Caustics {
+    std::string method = "photon_splatting";
+    PhotonSplattingParameters photon_splatting;
+};
+
+/// ASC CDL, applied in the role color_timing.
+struct ColorDecisionList {
+    glm::dvec3 slope{1, 1, 1};
+    glm::dvec3 offset{0, 0, 0};
+    glm::dvec3 power{1, 1, 1};
+    double saturation = 1;
+};
+
+struct Output {
+    std::string ocio_config;  ///< path; empty: $OCIO, else the shipped config
+    std::string display;      ///< empty: the config's default
+    std::string view;         ///< empty: the default of the display
+    std::string look;         ///< empty: none
+    double exposure = 0;      ///< stops
+    ColorDecisionList cdl;
+};
+
+/// Everything that the timeline says of one frame. A pure function of the timeline and the frame number.
+struct FrameState {
+    std::int64_t frame = 1;
+    double time = 0;  ///< s: (frame - first) / fps
+    Clip clip;
+    Camera camera;
+    std::optional<Water> water;
+    std::vector<Light> lights;
+    std::vector<Object> objects;
+    Sky sky;
+    Caustics caustics;
+    Output output;
+};
+
+}  // namespace dapple::scene

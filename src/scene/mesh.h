@@ -1,0 +1,33 @@
+#pragma once
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <string>
+#include <vector>
+
+namespace dapple::scene {
+
+/// An indexed triangle mesh, in double until its user makes it relative to an origin.
+struct TriangleMesh {
+    std::vector<glm::dvec3> positions;  ///< m
+    std::vector<glm::dvec3> normals;    ///< unit, a vertex; empty: none given
+    std::vector<glm::dvec2> uv;         ///< a vertex; empty: none given
+    std::vector<glm::uvec3> triangles;  ///< counter-clockwise seen from outside
+};
+
+/// The water surface at one instant: a height field or a choppy or read mesh. Normals point to the air.
+struct WaterMesh {
+    TriangleMesh mesh;  ///< world space; triangles counter-clockwise seen from the air; normals always given
+    /// Vertices of a regular grid, row-major (index = row * columns + column), rows along z; 0: not a grid.
+    int rows = 0;
+    int columns = 0;
+    /// Heights never leave [-height_bound, height_bound], in all frames of the clip where that is known; m.
+    double height_bound = 0;
+    /// Largest horizontal displacement of a vertex off its grid point; m.
+    double displacement_bound = 0;
+    /// Shortest wave that the surface was asked for and the cells a shortest wave that the mesh has; 0: unknown.
+    double shortest_wave = 0;
+    double cells_per_shortest_wave = 0;
+    bool capped = false;  ///< fewer cells than asked for, to keep to the cap of triangles
+};
+
+}  // namespace dapple::scene

@@ -1,0 +1,31 @@
+#pragma once
+#include <vector>
+
+#include "rays/ray_scene.h"
+#include "scene/frame_scene.h"
+#include "view/receiver_layer.h"
+
+namespace dapple::view {
+
+/// Whether the camera is under water in this frame.
+bool camera_in_water(const scene::FrameScene& scene);
+
+/// Follows one camera path a pixel through water and mirrors to its receiver (at most kLongestChain specular
+/// events). `branch` 0 takes, at the first Fresnel split, the refracted ray (weight T), 1 the reflected ray (weight
+/// F); pixels that do not split are in branch 0 only (in branch 1 their flags are 0 and their throughput 0). At total
+/// reflection the whole weight goes with branch 0. Later splits follow the stronger side with weight 1 - loss and
+/// what is dropped is counted. The sample is Camera::sample_offset(sample, samples).
+struct LayerRequest {
+    int sample = 0;
+    int branch = 0;
+};
+struct LayerCounts {
+    std::size_t split_pixels = 0;     ///< pixels whose path splits: branch 1 is worth tracing where this is > 0
+    std::size_t dropped_splits = 0;   ///< later splits of which only the stronger side was followed
+    double dropped_weight = 0;        ///< sum of the throughput so dropped (mean over channels)
+    std::size_t longest_chain_hits = 0;
+};
+ReceiverLayer trace_layer(const scene::FrameScene& scene, const rays::RayScene& rays, LayerRequest request,
+                          LayerCounts& counts);
+
+}  // namespace dapple::view
