@@ -1,0 +1,51 @@
+#pragma once
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/stats.h"
+#include "gpu/device.h"
+#include "image/image.h"
+#include "scene/frame_state.h"
+
+namespace dapple::render {
+
+/// A line of `dapple render --plan`: a pass, whether it runs, and why or why not.
+struct PlanLine {
+    std::string pass;
+    std::string decision;  ///< "yes", "partly" or "no"
+    std::string reason;
+};
+
+/// NaN or infinite values that were replaced by 0 before the frame was handed out.
+struct NonFinite {
+    std::size_t count = 0;
+    std::string first;  ///< "channel x,y", empty where count is 0
+};
+
+struct RenderedFrame {
+    image::Image linear;  ///< the layers of CONVENTIONS.md, float, scene-linear
+    NonFinite non_finite;
+};
+
+/// Renders single frames: builds the FrameScene, plans the passes that it needs, runs them, composes. The only place
+/// that knows the order of passes. Keeps nothing of a frame but caches of files and of time-independent tables, so
+/// that each frame is a pure function of its state. Errors: Error(input_unreadable) for meshes and textures,
+/// Error(device).
+class FrameRenderer {
+public:
+    explicit FrameRenderer(gpu::Device& device);
+    ~FrameRenderer();
+
+    std::vector<PlanLine> plan(const scene::FrameState& state);
+    RenderedFrame render(const scene::FrameState& state, FrameStats& stats);
+    /// Estimated peak memory of a frame in bytes, without loading anything large.
+    std::size_t bytes(const scene::FrameState& state) const;
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+}  // namespace dapple::render

@@ -1,0 +1,52 @@
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "scene/frame_state.h"
+
+namespace dapple::timeline {
+
+/// One fault of a timeline file.
+struct Fault {
+    std::string file;
+    int line = 0;    ///< from 1; 0: no place (an override, a missing file)
+    int column = 0;  ///< from 1
+    std::string key_path;  ///< "water.surface.waves[2].length"
+    std::string message;   ///< what is wrong and what would be right, with the nearest valid key or value
+    std::string source;    ///< the offending line
+};
+
+/// `file:line:column: key.path: message`, then the source line with a caret below it.
+std::string to_string(const Fault& fault);
+
+/// A checked timeline. Paths inside it are resolved from the file's folder and absolute.
+class Timeline {
+public:
+    /// Throws TimelineError with all faults of the file; Error(input_unreadable) where it cannot be read. `overrides`
+    /// are "path=value" with value in YAML, applied before checking.
+    static Timeline load(const std::string& path, const std::vector<std::string>& overrides = {});
+    /// The same for a text; relative paths are resolved from `folder`.
+    static Timeline parse(const std::string& text, const std::string& name, const std::string& folder,
+                          const std::vector<std::string>& overrides = {});
+    ~Timeline();
+    Timeline(Timeline&&) noexcept;
+    Timeline& operator=(Timeline&&) noexcept;
+
+    const scene::Clip& clip() const;
+    /// The state of one frame, also outside the clip's range (curves hold). Pure.
+    scene::FrameState at(std::int64_t frame) const;
+    /// All that decides the pictures, in a normal form in which comments, order of keys and ways of writing numbers
+    /// do not show: equal text, equal clip. The frame range is left out.
+    std::string fingerprint() const;
+    /// Files that the frames need (textures, meshes, OCIO config), absolute, for checks up front and the job's hash.
+    std::vector<std::string> input_files() const;
+
+private:
+    struct State;
+    explicit Timeline(std::unique_ptr<State> state);
+    std::unique_ptr<State> state_;
+};
+
+}  // namespace dapple::timeline
