@@ -8,6 +8,12 @@ namespace dapple::light {
 
 enum class Event { transmission, reflection };
 
+/// One kind of light path: from a light (index into FrameState::lights) through one event at the water.
+struct Chain {
+    int light = 0;
+    Event event = Event::transmission;
+};
+
 /// Light rays just after one chain of events from one light: a grid whose vertices are rays ("photons") and whose
 /// cells are caustic beams. A ray is a point on the plane through the frame's origin perpendicular to `axis`, and
 /// a slope: point(depth) = origin + depth * slope, with dot(slope, axis) = 1, so that landing points are linear in

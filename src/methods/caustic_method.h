@@ -9,6 +9,7 @@
 
 #include "base/stats.h"
 #include "gpu/device.h"
+#include "light/beam_mesh.h"
 #include "rays/ray_scene.h"
 #include "scene/frame_scene.h"
 #include "view/receiver_layer.h"
@@ -34,6 +35,8 @@ struct FrameContext {
     const rays::RayScene& rays;
     gpu::Device& device;
     FrameStats& stats;
+    /// The light paths that the plan asks for, visited in this order; what is not listed costs nothing.
+    std::vector<light::Chain> chains;
 };
 
 /// A way to find the caustic irradiance E at receivers. A method never sees other methods, the film or the
