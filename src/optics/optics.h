@@ -19,6 +19,7 @@ using glm::min;
 using glm::normalize;
 using glm::sqrt;
 #include "optics/refraction.h"
+#include "optics/spot_light.h"
 }  // namespace f32
 
 namespace f64 {
@@ -33,6 +34,7 @@ using glm::min;
 using glm::normalize;
 using glm::sqrt;
 #include "optics/refraction.h"
+#include "optics/spot_light.h"
 }  // namespace f64
 
 }  // namespace dapple::optics
