@@ -44,7 +44,11 @@ struct FrameContext {
 class CausticMethod {
 public:
     virtual ~CausticMethod() = default;
-    virtual Support supports_surface(const scene::FrameScene& scene) const = 0;
+    /// What it does for the scene, from the state alone: nothing has been built when the plan is made.
+    virtual Support supports_surface(const scene::FrameState& state) const = 0;
+    /// Whether it covers receivers that the camera sees through or by a specular surface; layers without any other
+    /// receiver are not handed to a method that does not.
+    virtual bool serves_behind_specular() const { return false; }
     /// Memory that it needs beside the scene, in bytes.
     virtual std::size_t bytes(const scene::FrameState& state, std::size_t pixels) const = 0;
     /// Light side, once a frame.
