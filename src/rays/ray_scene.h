@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <limits>
 #include <memory>
 #include <span>
 
@@ -8,7 +9,8 @@
 
 namespace dapple::rays {
 
-/// A ray in float, relative to FrameScene::origin. `direction` need not be unit: distances are in its lengths.
+/// A ray in float, relative to FrameScene::origin. `direction` need not be unit: distances are in its
+/// lengths.
 struct Ray {
     glm::vec3 origin;
     float near = 0;
@@ -26,16 +28,24 @@ struct Hit {
     glm::vec3 normal{0, 1, 0};  ///< geometric, not normalised, outward
 };
 
-/// Embree's view of one frame: the objects and the water, apart. The only user of Embree; fixed instruction set
-/// (avx2), robust traversal. Thread-safe once built.
+/// Embree's view of one frame: the objects and the water, apart. The only user of Embree; fixed instruction
+/// set (avx2), robust traversal. Thread-safe once built. Rays with a component that is not finite (but for an
+/// infinite `far`), without a direction or with near > far hit nothing.
+///
+/// Primitives: planes and boxes are the triangles of rays/shape_mesh.h, meshes those of the file, a sphere is
+/// primitive 0 with barycentric (0, 0), the water those of WaterMesh. barycentric = (u, v) means the point
+/// (1 - u - v) v0 + u v1 + v v2.
 class RayScene {
 public:
+    /// Throws Error(failure) where Embree cannot build it (out of memory, no AVX2). Shapes that a scale of 0
+    /// or a vertex that is not finite makes meaningless are left out.
     explicit RayScene(const scene::FrameScene& scene);
     ~RayScene();
     RayScene(RayScene&&) noexcept;
     RayScene& operator=(RayScene&&) noexcept;
 
-    /// Nearest hits of a few hundred to thousands of coherent rays, in packets; called from within parallel_for.
+    /// Nearest hits of a few hundred to thousands of coherent rays, in packets; called from within
+    /// parallel_for.
     void intersect_objects(std::span<const Ray> rays, std::span<Hit> hits) const;
     void intersect_water(std::span<const Ray> rays, std::span<Hit> hits) const;
     /// 1 where an object lies between `near` and `far`.

@@ -1,0 +1,259 @@
+#include "rays/ray_scene.h"
+
+#include <embree3/rtcore.h>
+
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "rays/shape_mesh.h"
+#include "rays/sphere.h"
+#include "scene/transform.h"
+
+namespace dapple::rays {
+namespace {
+
+/// Frees what Embree counts references of.
+struct Release {
+    void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
+    void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
+    void operator()(RTCGeometry geometry) const { rtcReleaseGeometry(geometry); }
+};
+template <typename Handle>
+using Owned = std::unique_ptr<std::remove_pointer_t<Handle>, Release>;
+
+/// Collects the first error that Embree reports; it may do so from the threads that build.
+struct ErrorLog {
+    std::mutex mutex;
+    std::string first;
+
+    static void report(void* user, RTCError, const char* message) {
+        auto& log = *static_cast<ErrorLog*>(user);
+        const std::lock_guard lock(log.mutex);
+        if (log.first.empty()) log.first = message != nullptr ? message : "no message";
+    }
+    void throw_if_any(const std::string& what) {
+        const std::lock_guard lock(mutex);
+        if (!first.empty()) throw Error(ExitCode::failure, "Embree, " + what + ": " + clipped(first));
+    }
+};
+
+/// How Embree compares: a triangle's first vertex and its edges in float, on both sides of a shared edge
+/// alike.
+constexpr RTCSceneFlags kRobust = RTC_SCENE_FLAG_ROBUST;
+
+bool traceable(const Ray& ray) {
+    const glm::vec3 sum = ray.origin * 0.0f + ray.direction * 0.0f;  // 0, or NaN by infinity or NaN
+    return sum.x + sum.y + sum.z == 0 && ray.near <= ray.far && std::isfinite(ray.near) &&
+           ray.direction != glm::vec3(0);
+}
+
+constexpr std::size_t kPacket = 8;
+
+/// Lanes of one packet; those past the end of the rays, and rays that mean nothing, are switched off.
+struct Packet {
+    alignas(32) int valid[kPacket];
+
+    Packet(std::span<const Ray> rays, RTCRay8& packet) {
+        for (std::size_t i = 0; i < kPacket; ++i) {
+            const bool on = i < rays.size() && traceable(rays[i]);
+            valid[i] = on ? -1 : 0;
+            const Ray ray = on ? rays[i] : Ray{glm::vec3(0), 0, glm::vec3(0, 1, 0), 0};
+            packet.org_x[i] = ray.origin.x;
+            packet.org_y[i] = ray.origin.y;
+            packet.org_z[i] = ray.origin.z;
+            packet.dir_x[i] = ray.direction.x;
+            packet.dir_y[i] = ray.direction.y;
+            packet.dir_z[i] = ray.direction.z;
+            packet.tnear[i] = ray.near;
+            packet.tfar[i] = ray.far;
+            packet.time[i] = 0;
+            packet.mask[i] = ~0u;
+            packet.id[i] = static_cast<unsigned>(i);
+            packet.flags[i] = 0;
+        }
+    }
+};
+
+RTCIntersectContext coherent_context() {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    return context;
+}
+
+void intersect(RTCScene scene, std::span<const Ray> rays, std::span<Hit> hits) {
+    RTCIntersectContext context = coherent_context();
+    for (std::size_t first = 0; first < rays.size(); first += kPacket) {
+        const std::size_t count = std::min(kPacket, rays.size() - first);
+        RTCRayHit8 packet;
+        const Packet lanes(rays.subspan(first, count), packet.ray);
+        std::fill_n(packet.hit.geomID, kPacket, RTC_INVALID_GEOMETRY_ID);
+        std::fill_n(packet.hit.instID[0], kPacket, RTC_INVALID_GEOMETRY_ID);
+        rtcIntersect8(lanes.valid, scene, &context, &packet);
+        for (std::size_t i = 0; i < count; ++i) {
+            Hit& hit = hits[first + i];
+            hit = Hit{};
+            if (packet.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
+            hit.distance = packet.ray.tfar[i];
+            hit.object = packet.hit.geomID[i];
+            hit.primitive = packet.hit.primID[i];
+            hit.barycentric = {packet.hit.u[i], packet.hit.v[i]};
+            hit.normal = {packet.hit.Ng_x[i], packet.hit.Ng_y[i], packet.hit.Ng_z[i]};
+        }
+    }
+}
+
+}  // namespace
+
+struct RayScene::State {
+    ErrorLog log;  // outlives the device, which reports to it
+    Owned<RTCDevice> device;
+    std::vector<Sphere> spheres;  // one an object, so that their addresses stay
+    std::vector<bool> mirrored;   // objects whose transform turns their triangles inside out
+    Owned<RTCScene> objects;
+    Owned<RTCScene> water;
+    bool has_objects = false;
+    bool has_water = false;
+
+    void attach(RTCScene scene, RTCGeometry geometry, unsigned id, RTCBuildQuality quality) {
+        rtcSetGeometryBuildQuality(geometry, quality);
+        rtcCommitGeometry(geometry);
+        rtcAttachGeometryByID(scene, geometry, id);
+        rtcReleaseGeometry(geometry);
+    }
+
+    /// An indexed mesh, placed in double and only then rounded.
+    void attach_triangles(RTCScene scene, const scene::TriangleMesh& mesh,
+                          const glm::dmat4& relative_from_mesh, unsigned id) {
+        if (mesh.triangles.empty()) return;
+        RTCGeometry geometry = rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
+        auto* positions = static_cast<glm::vec3*>(
+            rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(glm::vec3),
+                                    mesh.positions.size()));
+        auto* triangles = static_cast<glm::uvec3*>(rtcSetNewGeometryBuffer(
+            geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(glm::uvec3), mesh.triangles.size()));
+        log.throw_if_any("buffers of a mesh");
+        parallel_for(mesh.positions.size(), 1 << 15, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) {
+                positions[i] = glm::vec3(glm::dvec3(relative_from_mesh * glm::dvec4(mesh.positions[i], 1)));
+            }
+        });
+        std::copy(mesh.triangles.begin(), mesh.triangles.end(), triangles);
+        attach(scene, geometry, id, RTC_BUILD_QUALITY_MEDIUM);
+    }
+
+    void attach_object(const scene::Object& object, const scene::TriangleMesh* mesh, const glm::dvec3& origin,
+                       unsigned id) {
+        const glm::dmat4 matrix = scene::relative_from_object(object.transform, origin);
+        mirrored[id] = object.shape != scene::Shape::sphere && determinant(glm::dmat3(matrix)) < 0;
+        switch (object.shape) {
+            case scene::Shape::plane:
+                attach_triangles(objects.get(), plane_mesh(object.size), matrix, id);
+                break;
+            case scene::Shape::box:
+                attach_triangles(objects.get(), box_mesh(object.size), matrix, id);
+                break;
+            case scene::Shape::mesh:
+                if (mesh != nullptr) attach_triangles(objects.get(), *mesh, matrix, id);
+                break;
+            case scene::Shape::sphere: {
+                const glm::dmat3 offset_from_unit = glm::dmat3(matrix) * object.radius;
+                if (!(std::abs(determinant(offset_from_unit)) > 0)) break;
+                spheres[id] = {glm::dvec3(matrix[3]), inverse(offset_from_unit), offset_from_unit};
+                attach(objects.get(), make_sphere_geometry(device.get(), spheres[id]), id,
+                       RTC_BUILD_QUALITY_MEDIUM);
+                break;
+            }
+        }
+    }
+
+    bool commit(RTCScene scene, const char* what) {
+        rtcCommitScene(scene);
+        log.throw_if_any(what);
+        RTCBounds bounds;
+        rtcGetSceneBounds(scene, &bounds);
+        return bounds.lower_x <= bounds.upper_x;
+    }
+};
+
+RayScene::RayScene(const scene::FrameScene& scene) : state_(std::make_unique<State>()) {
+    State& state = *state_;
+    state.device.reset(rtcNewDevice("isa=avx2"));
+    if (!state.device) throw Error(ExitCode::failure, "Embree: no device with AVX2 could be made");
+    rtcSetDeviceErrorFunction(state.device.get(), ErrorLog::report, &state.log);
+    state.objects.reset(rtcNewScene(state.device.get()));
+    state.water.reset(rtcNewScene(state.device.get()));
+    rtcSetSceneFlags(state.objects.get(), kRobust);
+    rtcSetSceneFlags(state.water.get(), kRobust);
+
+    const std::size_t count = scene.state.objects.size();
+    state.spheres.resize(count);
+    state.mirrored.assign(count, false);
+    for (std::size_t i = 0; i < count; ++i) {
+        const auto* mesh = i < scene.object_meshes.size() ? scene.object_meshes[i].get() : nullptr;
+        state.attach_object(scene.state.objects[i], mesh, scene.origin, static_cast<unsigned>(i));
+    }
+    state.has_objects = state.commit(state.objects.get(), "tree of the objects");
+
+    if (scene.water) {
+        state.attach_triangles(state.water.get(), scene.water->mesh,
+                               glm::translate(glm::dmat4(1), -scene.origin), 0);
+    }
+    state.has_water = state.commit(state.water.get(), "tree of the water");
+}
+
+RayScene::~RayScene() = default;
+RayScene::RayScene(RayScene&&) noexcept = default;
+RayScene& RayScene::operator=(RayScene&&) noexcept = default;
+
+void RayScene::intersect_objects(std::span<const Ray> rays, std::span<Hit> hits) const {
+    if (!state_->has_objects) {
+        std::fill_n(hits.begin(), rays.size(), Hit{});
+        return;
+    }
+    intersect(state_->objects.get(), rays, hits);
+    for (Hit& hit : hits.first(rays.size())) {
+        if (hit.primitive != kNoHit && state_->mirrored[hit.object]) hit.normal = -hit.normal;
+    }
+}
+
+void RayScene::intersect_water(std::span<const Ray> rays, std::span<Hit> hits) const {
+    if (!state_->has_water) {
+        std::fill_n(hits.begin(), rays.size(), Hit{});
+        return;
+    }
+    intersect(state_->water.get(), rays, hits);
+}
+
+void RayScene::occluded_by_objects(std::span<const Ray> rays, std::span<std::uint8_t> occluded) const {
+    std::fill_n(occluded.begin(), rays.size(), std::uint8_t{0});
+    if (!state_->has_objects) return;
+    RTCIntersectContext context = coherent_context();
+    for (std::size_t first = 0; first < rays.size(); first += kPacket) {
+        const std::size_t count = std::min(kPacket, rays.size() - first);
+        RTCRay8 packet;
+        const Packet lanes(rays.subspan(first, count), packet);
+        rtcOccluded8(lanes.valid, state_->objects.get(), &context, &packet);
+        for (std::size_t i = 0; i < count; ++i) {
+            occluded[first + i] = lanes.valid[i] != 0 && packet.tfar[i] < 0;
+        }
+    }
+}
+
+bool RayScene::has_objects() const {
+    return state_->has_objects;
+}
+
+void RayScene::object_bounds(glm::vec3& lower, glm::vec3& upper) const {
+    RTCBounds bounds;
+    rtcGetSceneBounds(state_->objects.get(), &bounds);
+    lower = {bounds.lower_x, bounds.lower_y, bounds.lower_z};
+    upper = {bounds.upper_x, bounds.upper_y, bounds.upper_z};
+}
+
+}  // namespace dapple::rays
