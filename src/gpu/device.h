@@ -16,9 +16,10 @@ struct DeviceInfo {
 };
 
 struct DeviceOptions {
-    std::string name;         ///< part of a device's name, any case; empty: the fastest present
-    bool validation = false;  ///< validation layer with synchronization checks; also on when $DAPPLE_VALIDATION is 1
-    int threads = 0;          ///< worker threads of a CPU driver; 0: its own choice
+    std::string name;  ///< part of a device's name, any case; empty: the fastest present
+    bool validation =
+        false;        ///< validation layer with synchronization checks; also on when $DAPPLE_VALIDATION is 1
+    int threads = 0;  ///< worker threads of a CPU driver; 0: its own choice
 };
 
 /// All Vulkan devices of the machine that satisfy the program's needs (1.3, features of device.cpp).
@@ -34,8 +35,10 @@ public:
     const DeviceInfo& info() const;
     /// Messages of the validation layer so far (warnings and errors); 0 where validation is off.
     const std::vector<std::string>& validation_messages() const;
+    /// The same list, which outlives the device: it also has the messages of the device's destruction.
+    std::shared_ptr<const std::vector<std::string>> validation_log() const;
     bool validation_active() const;
-    float largest_point_size() const;          ///< pixels
+    float largest_point_size() const;             ///< pixels
     std::uint64_t largest_storage_range() const;  ///< bytes of one storage-buffer binding
 
     struct State;  // gpu/device_state.h, for gpu/*.cpp only

@@ -31,7 +31,7 @@ struct Bindings {
 };
 
 struct Draw {
-    std::uint32_t vertices = 0;             ///< or indices, with an index buffer (32 bit)
+    std::uint32_t vertices = 0;  ///< or indices, with an index buffer (32 bit)
     const Buffer* index_buffer = nullptr;
 };
 
@@ -41,15 +41,17 @@ struct Targets {
     bool clear = true;  ///< colours to 0, depth to 1; else their contents are kept
 };
 
-/// Passes in the order of submission; each has a name, declares what it reads and writes (barriers follow), and
-/// gets a pair of timestamps. run() submits all, waits, reports pass times to `stats`, and empties the list.
+/// Passes in the order of submission; each has a name, declares what it reads and writes (barriers follow),
+/// and gets a pair of timestamps. run() submits all, waits, reports pass times to `stats`, and empties the
+/// list.
 class PassList {
 public:
     explicit PassList(Device& device);
     ~PassList();
     void compute(std::string_view name, const ComputePipeline& pipeline, Bindings bindings,
                  std::array<std::uint32_t, 3> groups);
-    void draw(std::string_view name, const RasterPipeline& pipeline, Bindings bindings, Targets targets, Draw draw);
+    void draw(std::string_view name, const RasterPipeline& pipeline, Bindings bindings, Targets targets,
+              Draw draw);
     /// Tightly packed rows, in the image's own format.
     void copy(std::string_view name, const Image& from, const Buffer& to);
     void copy(std::string_view name, const Buffer& from, const Image& to);

@@ -9,8 +9,8 @@
 
 namespace dapple::gpu {
 
-/// Bindings are set 0, numbered from 0: first `storage_buffers` storage buffers, then `sampled_images` images read
-/// by texelFetch (uniform sampler2D). Push constants are one block of `push_bytes` (at most 128).
+/// Bindings are set 0, numbered from 0: first `storage_buffers` storage buffers, then `sampled_images` images
+/// read by texelFetch (uniform sampler2D). Push constants are one block of `push_bytes` (at most 128).
 struct Interface {
     std::uint32_t storage_buffers = 0;
     std::uint32_t sampled_images = 0;
@@ -19,7 +19,8 @@ struct Interface {
 
 class ComputePipeline {
 public:
-    ComputePipeline(Device& device, std::string_view name, std::span<const std::uint32_t> spirv, Interface interface);
+    ComputePipeline(Device& device, std::string_view name, std::span<const std::uint32_t> spirv,
+                    Interface interface);
     ~ComputePipeline();
     ComputePipeline(ComputePipeline&&) noexcept;
     ComputePipeline& operator=(ComputePipeline&&) noexcept;

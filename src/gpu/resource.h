@@ -11,8 +11,8 @@
 namespace dapple::gpu {
 
 /// A storage, vertex and index buffer that the host reads and writes through one lasting mapping (on devices
-/// without such memory: through a staging copy around each pass list). Move-only owner; freed with the object,
-/// which must outlive the PassList::run that uses it.
+/// without such memory: through a staging copy around each pass list). Move-only owner; freed with the
+/// object, which must outlive the PassList::run that uses it.
 class Buffer {
 public:
     Buffer(Device& device, std::string_view name, std::size_t bytes);

@@ -1,0 +1,136 @@
+#include "gpu/resource.h"
+
+#include <algorithm>
+
+#include "gpu/device_state.h"
+
+namespace dapple::gpu {
+
+vk::Format vulkan_format(Format format) {
+    switch (format) {
+        case Format::rgba32f:
+            return vk::Format::eR32G32B32A32Sfloat;
+        case Format::rg32f:
+            return vk::Format::eR32G32Sfloat;
+        case Format::r32f:
+            return vk::Format::eR32Sfloat;
+        case Format::r32u:
+            return vk::Format::eR32Uint;
+        case Format::depth32f:
+            return vk::Format::eD32Sfloat;
+    }
+    return vk::Format::eUndefined;
+}
+
+std::size_t bytes_per_texel(Format format) {
+    switch (format) {
+        case Format::rgba32f:
+            return 16;
+        case Format::rg32f:
+            return 8;
+        default:
+            return 4;
+    }
+}
+
+Buffer::Buffer(Device& device, std::string_view name, std::size_t bytes) : state_(std::make_unique<State>()) {
+    constexpr std::size_t kSmallest = 16;  // Vulkan has no empty buffers
+    const std::string what = "buffer '" + std::string(name) + "' of " + std::to_string(bytes) + " bytes";
+    guarded("cannot make " + what, [&] {
+        State& s = *state_;
+        s.device = &device.state();
+        s.name = name;
+        s.bytes = bytes;
+        using Usage = vk::BufferUsageFlagBits;
+        s.buffer = vk::raii::Buffer(
+            s.device->device, {.size = std::max(bytes, kSmallest),
+                               .usage = Usage::eStorageBuffer | Usage::eVertexBuffer | Usage::eIndexBuffer |
+                                        Usage::eIndirectBuffer | Usage::eTransferSrc | Usage::eTransferDst});
+        using Memory = vk::MemoryPropertyFlagBits;
+        s.memory = s.device->allocate(s.buffer.getMemoryRequirements(),
+                                      Memory::eHostVisible | Memory::eHostCoherent, Memory::eHostCached);
+        s.buffer.bindMemory(*s.memory, 0);
+        s.mapped = s.memory.mapMemory(0, VK_WHOLE_SIZE);
+        s.device->set_name(*s.buffer, name);
+    });
+}
+
+Buffer::~Buffer() = default;
+Buffer::Buffer(Buffer&&) noexcept = default;
+Buffer& Buffer::operator=(Buffer&&) noexcept = default;
+std::size_t Buffer::bytes() const {
+    return state_->bytes;
+}
+void* Buffer::data() {
+    return state_->mapped;
+}
+
+Image::Image(Device& device, std::string_view name, int width, int height, Format format)
+    : state_(std::make_unique<State>()) {
+    const std::string what = "image '" + std::string(name) + "' of " + std::to_string(width) + " x " +
+                             std::to_string(height) + " pixels";
+    const auto largest = static_cast<int>(device.state().limits.maxImageDimension2D);
+    if (width < 1 || height < 1 || width > largest || height > largest)
+        throw Error(ExitCode::device,
+                    what + " cannot be made: the device takes 1 to " + std::to_string(largest) + " a side");
+    guarded("cannot make " + what, [&] {
+        State& s = *state_;
+        s.device = &device.state();
+        s.name = name;
+        s.width = width;
+        s.height = height;
+        s.format = format;
+        const bool depth = format == Format::depth32f;
+        s.aspect = depth ? vk::ImageAspectFlagBits::eDepth : vk::ImageAspectFlagBits::eColor;
+        using Usage = vk::ImageUsageFlagBits;
+        s.image = vk::raii::Image(
+            s.device->device,
+            {.imageType = vk::ImageType::e2D,
+             .format = vulkan_format(format),
+             .extent = {static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height), 1},
+             .mipLevels = 1,
+             .arrayLayers = 1,
+             .samples = vk::SampleCountFlagBits::e1,
+             .tiling = vk::ImageTiling::eOptimal,
+             .usage = (depth ? Usage::eDepthStencilAttachment : Usage::eColorAttachment) | Usage::eSampled |
+                      Usage::eTransferSrc | Usage::eTransferDst,
+             .initialLayout = vk::ImageLayout::eUndefined});
+        s.memory =
+            s.device->allocate(s.image.getMemoryRequirements(), {}, vk::MemoryPropertyFlagBits::eDeviceLocal);
+        s.image.bindMemory(*s.memory, 0);
+        s.device->set_name(*s.image, name);
+        const vk::ImageSubresourceRange whole{.aspectMask = s.aspect, .levelCount = 1, .layerCount = 1};
+        s.view = vk::raii::ImageView(s.device->device, {.image = *s.image,
+                                                        .viewType = vk::ImageViewType::e2D,
+                                                        .format = vulkan_format(format),
+                                                        .subresourceRange = whole});
+        // Once and for all into the layout that every use permits.
+        s.device->submit_once([&](const vk::raii::CommandBuffer& commands) {
+            const vk::ImageMemoryBarrier2 to_general{
+                .dstStageMask = vk::PipelineStageFlagBits2::eAllCommands,
+                .dstAccessMask = vk::AccessFlagBits2::eMemoryRead | vk::AccessFlagBits2::eMemoryWrite,
+                .oldLayout = vk::ImageLayout::eUndefined,
+                .newLayout = vk::ImageLayout::eGeneral,
+                .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+                .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+                .image = *s.image,
+                .subresourceRange = whole};
+            commands.pipelineBarrier2({.imageMemoryBarrierCount = 1, .pImageMemoryBarriers = &to_general});
+        });
+    });
+}
+
+Image::~Image() = default;
+Image::Image(Image&&) noexcept = default;
+Image& Image::operator=(Image&&) noexcept = default;
+int Image::width() const {
+    return state_->width;
+}
+int Image::height() const {
+    return state_->height;
+}
+Format Image::format() const {
+    return state_->format;
+}
+
+}  // namespace dapple::gpu
