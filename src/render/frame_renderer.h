@@ -29,10 +29,10 @@ struct RenderedFrame {
     NonFinite non_finite;
 };
 
-/// Renders single frames: builds the FrameScene, plans the passes that it needs, runs them, composes. The only place
-/// that knows the order of passes. Keeps nothing of a frame but caches of files and of time-independent tables, so
-/// that each frame is a pure function of its state. Errors: Error(input_unreadable) for meshes and textures,
-/// Error(device).
+/// Renders single frames: builds the FrameScene, plans the passes that it needs, runs them, composes. The
+/// only place that knows the order of passes. Keeps nothing of a frame but caches of files and of
+/// time-independent tables, so that each frame is a pure function of its state. Errors:
+/// Error(input_unreadable) for meshes and textures, Error(device).
 class FrameRenderer {
 public:
     explicit FrameRenderer(gpu::Device& device);

@@ -1,0 +1,194 @@
+#include "render/frame_renderer.h"
+
+#include <algorithm>
+#include <map>
+
+#include "methods/registry.h"
+#include "ocean/grid_size.h"
+#include "rays/ray_scene.h"
+#include "render/albedo.h"
+#include "render/film.h"
+#include "render/frame_scene_builder.h"
+#include "render/plan.h"
+#include "render/shading.h"
+#include "view/camera_paths.h"
+
+namespace dapple::render {
+namespace {
+
+/// Layers that are traced before the method sees them: a method may serve them at one go.
+constexpr int kLargestBatch = 4;
+constexpr std::size_t kBatchPixels = std::size_t{1} << 22;
+
+/// Memory of a receiver layer and its shading, a pixel.
+constexpr std::size_t kLayerBytes = 6 * sizeof(glm::vec3) + 2 * sizeof(std::uint32_t) + sizeof(glm::vec2) +
+                                    2 * sizeof(float) + 5 * sizeof(glm::vec3) + 1;
+
+/// Of the water: positions and normals in double, and what is needed beside them while they are made; indices
+/// and Embree's tree (141 MB for 2.1 M triangles, measured).
+constexpr std::size_t kWaterVertexBytes = 2 * sizeof(glm::dvec3) + 8 * sizeof(double);
+constexpr std::size_t kWaterTriangleBytes = sizeof(glm::uvec3) + 70;
+
+std::size_t pixels(const scene::Clip& clip) {
+    return static_cast<std::size_t>(clip.width) * static_cast<std::size_t>(clip.height);
+}
+
+int batch_size(const scene::Clip& clip) {
+    const std::size_t fitting =
+        std::max<std::size_t>(1, kBatchPixels / std::max<std::size_t>(1, pixels(clip)));
+    return std::min({static_cast<int>(std::min<std::size_t>(fitting, kLargestBatch)), clip.samples});
+}
+
+bool any_direct_receiver(const view::ReceiverLayer& layer) {
+    return std::any_of(layer.flags.begin(), layer.flags.end(), [](std::uint32_t flags) {
+        return (flags & (view::kReceiver | view::kBehindSpecular)) == view::kReceiver;
+    });
+}
+
+methods::LayerResult not_covered(std::size_t count) {
+    return {std::vector<glm::vec3>(count, glm::vec3(0)), std::vector<std::uint8_t>(count, 0)};
+}
+
+/// What outlives a frame: caches and the methods with their pipelines.
+struct Kept {
+    gpu::Device& device;
+    FrameSceneBuilder builder;
+    AlbedoSource albedo;
+    std::map<std::string, std::unique_ptr<methods::CausticMethod>> methods;
+
+    methods::CausticMethod& method(const std::string& name) {
+        std::unique_ptr<methods::CausticMethod>& known = methods[name];
+        if (!known) known = methods::make_method(name);
+        return *known;
+    }
+};
+
+/// The passes of one frame, in their order.
+class FramePasses {
+public:
+    FramePasses(Kept& kept, const scene::FrameState& state, FrameStats& stats)
+        : kept_(kept),
+          stats_(stats),
+          method_(kept.method(state.caustics.method)),
+          plan_(make_plan(state, method_)),
+          scene_(build_scene(state)),
+          rays_(build_rays()),
+          context_{scene_, rays_, kept.device, stats, plan_.chains},
+          film_(state.clip.width, state.clip.height, state.clip.samples, state.sky) {}
+
+    RenderedFrame run() {
+        if (plan_.caustics) method_.begin(context_);
+        const int samples = scene_.state.clip.samples;
+        const int batch = batch_size(scene_.state.clip);
+        for (int first = 0; first < samples; first += batch) {
+            render_batch(first, std::min(batch, samples - first));
+        }
+        RenderedFrame frame;
+        const ScopedPass pass(stats_, "film");
+        frame.linear = film_.finish(frame.non_finite);
+        return frame;
+    }
+
+private:
+    scene::FrameScene build_scene(const scene::FrameState& state) {
+        const ScopedPass pass(stats_, "scene");
+        return kept_.builder.build(state);
+    }
+
+    rays::RayScene build_rays() {
+        const ScopedPass pass(stats_, "ray scene");
+        return rays::RayScene(scene_);
+    }
+
+    /// Samples [first, first + count): their first branches at one go, then the second branches of those that
+    /// split.
+    void render_batch(int first, int count) {
+        std::vector<view::ReceiverLayer> layers;
+        std::vector<bool> splits;
+        for (int i = 0; i < count; ++i) {
+            view::LayerCounts counts;
+            layers.push_back(trace(first + i, 0, counts));
+            splits.push_back(counts.split_pixels > 0);
+        }
+        render_layers(layers);
+        for (int i = 0; i < count; ++i) {
+            if (!splits[static_cast<std::size_t>(i)]) continue;
+            view::LayerCounts counts;
+            layers.assign(1, trace(first + i, 1, counts));
+            render_layers(layers);
+        }
+    }
+
+    view::ReceiverLayer trace(int sample, int branch, view::LayerCounts& counts) {
+        const ScopedPass pass(stats_, "camera paths");
+        view::ReceiverLayer layer = view::trace_layer(scene_, rays_, {sample, branch}, counts);
+        stats_.count("camera paths", static_cast<double>(layer.pixels()));
+        stats_.count("dropped splits", static_cast<double>(counts.dropped_splits));
+        stats_.count("longest chain hits", static_cast<double>(counts.longest_chain_hits));
+        return layer;
+    }
+
+    void render_layers(const std::vector<view::ReceiverLayer>& layers) {
+        std::vector<methods::LayerResult> results;
+        for (const view::ReceiverLayer& layer : layers) results.push_back(not_covered(layer.pixels()));
+        const bool served = method_.serves_behind_specular() ||
+                            std::any_of(layers.begin(), layers.end(), any_direct_receiver);
+        if (plan_.caustics && served) method_.irradiance(context_, layers, results);
+        for (std::size_t i = 0; i < layers.size(); ++i) {
+            const ScopedPass pass(stats_, "shading");
+            LayerShading shading;
+            shading.caustics = std::move(results[i]);
+            const std::vector<glm::vec3> dark(layers[i].pixels(), glm::vec3(0));
+            shading.albedo = kept_.albedo.albedo(scene_, layers[i]);
+            shading.direct = plan_.direct_light ? direct_irradiance(scene_, rays_, layers[i]) : dark;
+            shading.sky = plan_.sky_light ? sky_irradiance(scene_, layers[i]) : dark;
+            shading.flat_water = plan_.flat_water_stand_in ? flat_water_irradiance(scene_, rays_, layers[i],
+                                                                                   shading.caustics.covered)
+                                                           : dark;
+            film_.add(layers[i], shading, scene_.origin);
+        }
+    }
+
+    Kept& kept_;
+    FrameStats& stats_;
+    methods::CausticMethod& method_;
+    Plan plan_;
+    scene::FrameScene scene_;
+    rays::RayScene rays_;
+    methods::FrameContext context_;
+    Film film_;
+};
+
+}  // namespace
+
+struct FrameRenderer::State {
+    Kept kept;
+};
+
+FrameRenderer::FrameRenderer(gpu::Device& device) : state_(new State{{device, {}, {}, {}}}) {}
+FrameRenderer::~FrameRenderer() = default;
+
+std::vector<PlanLine> FrameRenderer::plan(const scene::FrameState& state) {
+    return make_plan(state, state_->kept.method(state.caustics.method)).lines;
+}
+
+RenderedFrame FrameRenderer::render(const scene::FrameState& state, FrameStats& stats) {
+    return FramePasses(state_->kept, state, stats).run();
+}
+
+std::size_t FrameRenderer::bytes(const scene::FrameState& state) const {
+    // In double: a picture of absurd size must not wrap around to a small number.
+    const double count = static_cast<double>(state.clip.width) * static_cast<double>(state.clip.height);
+    const double a_pixel = static_cast<double>(Film::bytes_per_pixel()) +
+                           static_cast<double>(batch_size(state.clip)) * static_cast<double>(kLayerBytes);
+    constexpr double largest = 0x1p62;
+    if (count * a_pixel > largest) return static_cast<std::size_t>(largest);
+    std::size_t sum = static_cast<std::size_t>(count * a_pixel);
+    if (state.water && state.water->surface.type != scene::WaterSurfaceType::mesh_sequence) {
+        const ocean::GridSize grid = ocean::grid_size(*state.water);
+        sum += grid.vertices() * kWaterVertexBytes + grid.triangles() * kWaterTriangleBytes;
+    }
+    return sum + state_->kept.method(state.caustics.method).bytes(state, static_cast<std::size_t>(count));
+}
+
+}  // namespace dapple::render

@@ -1,0 +1,159 @@
+#include "render/plan.h"
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+
+#include "scene/transform.h"
+
+namespace dapple::render {
+namespace {
+
+/// Range of heights that an object may take up; unknown for a mesh until it is read.
+struct Heights {
+    double lowest;
+    double highest;
+};
+
+Heights object_heights(const scene::Object& object) {
+    constexpr double infinite = std::numeric_limits<double>::infinity();
+    if (object.shape == scene::Shape::mesh) return {-infinite, infinite};
+    const glm::dmat4 world_from_object = scene::world_from_object(object.transform);
+    glm::dvec3 half = 0.5 * object.size;
+    if (object.shape == scene::Shape::plane) half.y = 0;
+    if (object.shape == scene::Shape::sphere) half = glm::dvec3(object.radius);
+    double reach = 0;
+    for (int axis = 0; axis < 3; ++axis) reach += std::abs(world_from_object[axis].y) * half[axis];
+    return {world_from_object[3].y - reach, world_from_object[3].y + reach};
+}
+
+bool light_above_water(const scene::Light& light) {
+    return light.type == scene::LightType::sun || light.position.y > 0;
+}
+
+/// A bound on the height of the waves that needs no mesh; infinite where only the mesh knows.
+double wave_bound(const scene::Water& water) {
+    if (water.surface.type != scene::WaterSurfaceType::waves) return std::numeric_limits<double>::infinity();
+    double bound = 0;
+    for (const scene::Wave& wave : water.surface.waves.waves) bound += std::abs(wave.amplitude);
+    return bound;
+}
+
+bool inside(const scene::Extent& extent, glm::dvec3 position) {
+    const glm::dvec2 offset = glm::abs(glm::dvec2(position.x, position.z) - extent.center);
+    return extent.kind == scene::ExtentKind::open_water ||
+           (offset.x <= 0.5 * extent.size.x && offset.y <= 0.5 * extent.size.y);
+}
+
+const char* event_name(light::Event event) {
+    return event == light::Event::transmission ? "T" : "R";
+}
+
+class Planner {
+public:
+    Planner(const scene::FrameState& state, const methods::CausticMethod& method)
+        : state_(state),
+          support_(method.supports_surface(state)),
+          serves_behind_specular_(method.serves_behind_specular()) {}
+
+    Plan make() {
+        plan_.water = state_.water.has_value();
+        add("water surface", plan_.water,
+            plan_.water ? "the timeline has water" : "the timeline has no water");
+        find_reach();
+        for (std::size_t i = 0; plan_.water && i < state_.lights.size(); ++i) {
+            consider(static_cast<int>(i), light::Event::transmission);
+            consider(static_cast<int>(i), light::Event::reflection);
+        }
+        plan_.caustics = !plan_.chains.empty();
+        plan_method();
+        plan_.direct_light = !state_.lights.empty() && !state_.objects.empty();
+        add("direct light", plan_.direct_light,
+            plan_.direct_light ? "lights and receivers in one medium, shadowed by objects"
+                               : "no lights or no objects");
+        plan_.sky_light = state_.sky.radiance != glm::dvec3(0);
+        add("sky term", plan_.sky_light,
+            plan_.sky_light ? "constant sky; no occlusion by objects" : "the sky is black");
+        add("volume", false, "no medium scatters");
+        not_modelled();
+        return std::move(plan_);
+    }
+
+private:
+    void add(const std::string& pass, bool runs, const std::string& reason) {
+        plan_.lines.push_back({pass, runs ? "yes" : "no", reason});
+    }
+
+    void find_reach() {
+        if (!state_.water) return;
+        const double bound = wave_bound(*state_.water);
+        for (const scene::Object& object : state_.objects) {
+            const Heights heights = object_heights(object);
+            receivers_below_ |= heights.lowest < bound;
+            receivers_above_ |= heights.highest > -bound;
+        }
+        const glm::dvec3 eye = state_.camera.position;
+        const bool over_extent = inside(state_.water->extent, eye);
+        camera_may_be_below_ = over_extent && eye.y < bound;
+        camera_may_be_above_ = !over_extent || eye.y > -bound;
+    }
+
+    void consider(int index, light::Event event) {
+        const scene::Light& light = state_.lights[static_cast<std::size_t>(index)];
+        const bool above = light_above_water(light);
+        const bool lands_above = (event == light::Event::reflection) == above;
+        const std::string pass = light.name + " > water:" + event_name(event);
+        if (!(lands_above ? receivers_above_ : receivers_below_)) {
+            add(pass, false, lands_above ? "nothing stands above the water" : "nothing lies below the water");
+            return;
+        }
+        if (!serves_behind_specular_ && !(lands_above ? camera_may_be_above_ : camera_may_be_below_)) {
+            add(pass, false,
+                "it lands across the water from the camera, and the method serves direct views only");
+            return;
+        }
+        plan_.chains.push_back({index, event});
+        add(pass, true, lands_above ? "objects above the water" : "objects below the water");
+    }
+
+    void plan_method() {
+        if (!plan_.caustics) {
+            add("caustics: " + state_.caustics.method, false, "no light path needs it");
+            return;
+        }
+        const char* decision = support_.degree == methods::Support::Degree::yes      ? "yes"
+                               : support_.degree == methods::Support::Degree::partly ? "partly"
+                                                                                     : "no";
+        plan_.lines.push_back({"caustics: " + state_.caustics.method, decision, support_.reason});
+        plan_.flat_water_stand_in = receivers_below_;
+        if (plan_.flat_water_stand_in) {
+            add("flat-water stand-in", true,
+                "beauty only, at receivers in the water that the method does not cover (E and covered are 0 "
+                "there)");
+        }
+    }
+
+    void not_modelled() {
+        add("not modelled", false,
+            "multiple scattering, light from floor to surface to floor, second crossings of the water by "
+            "light, the "
+            "sun's disc as seen by the camera, occlusion of the sky term");
+    }
+
+    const scene::FrameState& state_;
+    const methods::Support support_;
+    const bool serves_behind_specular_;
+    Plan plan_;
+    bool receivers_below_ = false;
+    bool receivers_above_ = false;
+    bool camera_may_be_below_ = false;
+    bool camera_may_be_above_ = true;
+};
+
+}  // namespace
+
+Plan make_plan(const scene::FrameState& state, const methods::CausticMethod& method) {
+    return Planner(state, method).make();
+}
+
+}  // namespace dapple::render

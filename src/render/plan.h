@@ -1,0 +1,24 @@
+#pragma once
+#include <vector>
+
+#include "light/beam_mesh.h"
+#include "methods/caustic_method.h"
+#include "render/frame_renderer.h"
+#include "scene/frame_state.h"
+
+namespace dapple::render {
+
+/// What a frame needs, decided from its state alone, before anything is built or traced.
+struct Plan {
+    bool water = false;
+    bool caustics = false;             ///< there is a chain to trace
+    std::vector<light::Chain> chains;  ///< for the method's FrameContext
+    bool flat_water_stand_in = false;  ///< receivers in the water may be seen behind specular events
+    bool direct_light = false;
+    bool sky_light = false;
+    std::vector<PlanLine> lines;  ///< what --plan prints
+};
+
+Plan make_plan(const scene::FrameState& state, const methods::CausticMethod& method);
+
+}  // namespace dapple::render

@@ -1,0 +1,195 @@
+#include "render/shading.h"
+
+#include <cmath>
+#include <functional>
+#include <glm/gtc/constants.hpp>
+
+#include "base/parallel.h"
+#include "render/flat_water.h"
+
+namespace dapple::render {
+namespace {
+
+constexpr std::size_t kTile = 1024;
+/// Shadow rays start this share of the receiver's distance from the origin (and at least 1e-6 m) off the
+/// surface: a few units in the last place of its float position.
+constexpr float kShadowOffset = 4e-7f;
+/// Hemispherical transmittance of flat water of index 1.333 for diffuse light from the air: 1 - 0.066.
+constexpr double kDiffuseTransmittance = 0.934;
+
+/// A receiver's shadow ray and what arrives if nothing is in its way.
+struct Candidate {
+    std::size_t pixel;
+    rays::Ray ray;
+    glm::vec3 irradiance;
+};
+
+void add_unoccluded(const rays::RayScene& rays, const std::vector<Candidate>& candidates,
+                    std::vector<std::uint8_t>& blocked) {
+    std::vector<rays::Ray> shadow_rays;
+    shadow_rays.reserve(candidates.size());
+    for (const Candidate& candidate : candidates) shadow_rays.push_back(candidate.ray);
+    std::vector<std::uint8_t> occluded(candidates.size(), 0);
+    rays.occluded_by_objects(shadow_rays, occluded);
+    for (std::size_t i = 0; i < occluded.size(); ++i) blocked[i] |= occluded[i];
+}
+
+glm::vec3 shadow_origin(const view::ReceiverLayer& layer, std::size_t pixel) {
+    const glm::vec3 position = layer.position[pixel];
+    const float offset = std::max(1e-6f, kShadowOffset * glm::length(position));
+    return position + offset * layer.geometric_normal[pixel];
+}
+
+/// Direction of travel of a sun's light for one sample of its disc: equal-area points of a Fibonacci spiral,
+/// the first of one being the centre.
+glm::dvec3 sun_direction(const scene::Light& light, int sample, int samples) {
+    if (light.angular_diameter <= 0 || samples == 1) return light.direction;
+    constexpr double golden_angle = 2.399963229728653;
+    const double radius = std::tan(0.5 * light.angular_diameter) * std::sqrt((sample + 0.5) / samples);
+    const double angle = golden_angle * sample;
+    const glm::dvec3 helper = std::abs(light.direction.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0);
+    const glm::dvec3 u = glm::normalize(glm::cross(helper, light.direction));
+    const glm::dvec3 v = glm::cross(light.direction, u);
+    return glm::normalize(light.direction + radius * (std::cos(angle) * u + std::sin(angle) * v));
+}
+
+bool inside_extent(const scene::Extent& extent, glm::dvec3 position) {
+    const glm::dvec2 offset = glm::abs(glm::dvec2(position.x, position.z) - extent.center);
+    return extent.kind == scene::ExtentKind::open_water ||
+           (offset.x <= 0.5 * extent.size.x && offset.y <= 0.5 * extent.size.y);
+}
+
+/// Whether a point or spot light is under water, by the rest plane.
+bool light_in_water(const scene::FrameState& state, const scene::Light& light) {
+    return light.type != scene::LightType::sun && state.water && light.position.y < 0 &&
+           inside_extent(state.water->extent, light.position);
+}
+
+/// Runs `body(pixel range, irradiance)` tile by tile in parallel.
+std::vector<glm::vec3> by_tiles(
+    const view::ReceiverLayer& layer,
+    const std::function<void(std::size_t, std::size_t, std::vector<glm::vec3>&)>& body) {
+    std::vector<glm::vec3> irradiance(layer.pixels(), glm::vec3(0));
+    parallel_for(layer.pixels(), kTile,
+                 [&](std::size_t begin, std::size_t end) { body(begin, end, irradiance); });
+    return irradiance;
+}
+
+/// Direct light of one source at a pixel's receiver; empty irradiance where it faces away.
+Candidate direct_candidate(const scene::FrameScene& scene, const view::ReceiverLayer& layer,
+                           std::size_t pixel, const scene::Light& light, glm::dvec3 direction) {
+    Candidate candidate{pixel, {}, glm::vec3(0)};
+    const glm::dvec3 position = glm::dvec3(layer.position[pixel]) + scene.origin;
+    glm::dvec3 strength = light.irradiance;
+    float far = std::numeric_limits<float>::infinity();
+    if (light.type != scene::LightType::sun) {
+        const glm::dvec3 way = position - light.position;
+        const double distance = glm::length(way);
+        if (distance == 0) return candidate;
+        direction = way / distance;
+        strength = light.intensity * (spot_falloff(light, direction) / (distance * distance));
+        far = static_cast<float>(distance * (1 - 1e-6));
+        if (layer.flags[pixel] & view::kInWater) {
+            strength *= glm::exp(-distance * scene.state.water->absorption);
+        }
+    }
+    const double facing = -glm::dot(direction, glm::dvec3(layer.geometric_normal[pixel]));
+    const double cosine = -glm::dot(direction, glm::dvec3(layer.shading_normal[pixel]));
+    if (facing <= 0 || cosine <= 0) return candidate;
+    candidate.irradiance = glm::vec3(cosine * strength);
+    candidate.ray = {shadow_origin(layer, pixel), 0, glm::vec3(-direction), far};
+    return candidate;
+}
+
+}  // namespace
+
+std::vector<glm::vec3> direct_irradiance(const scene::FrameScene& scene, const rays::RayScene& rays,
+                                         const view::ReceiverLayer& layer) {
+    return by_tiles(layer, [&](std::size_t begin, std::size_t end, std::vector<glm::vec3>& irradiance) {
+        std::vector<Candidate> candidates;
+        for (const scene::Light& light : scene.state.lights) {
+            const bool in_water = light_in_water(scene.state, light);
+            const glm::dvec3 direction = light.type == scene::LightType::sun
+                                             ? sun_direction(light, layer.sample, scene.state.clip.samples)
+                                             : light.direction;
+            candidates.clear();
+            for (std::size_t pixel = begin; pixel < end; ++pixel) {
+                const std::uint32_t flags = layer.flags[pixel];
+                if (!(flags & view::kReceiver) || in_water != bool(flags & view::kInWater)) continue;
+                const Candidate candidate = direct_candidate(scene, layer, pixel, light, direction);
+                if (candidate.irradiance != glm::vec3(0)) candidates.push_back(candidate);
+            }
+            std::vector<std::uint8_t> blocked(candidates.size(), 0);
+            add_unoccluded(rays, candidates, blocked);
+            for (std::size_t i = 0; i < candidates.size(); ++i) {
+                if (!blocked[i]) irradiance[candidates[i].pixel] += candidates[i].irradiance;
+            }
+        }
+    });
+}
+
+std::vector<glm::vec3> flat_water_irradiance(const scene::FrameScene& scene, const rays::RayScene& rays,
+                                             const view::ReceiverLayer& layer,
+                                             const std::vector<std::uint8_t>& covered) {
+    return by_tiles(layer, [&](std::size_t begin, std::size_t end, std::vector<glm::vec3>& irradiance) {
+        std::vector<Candidate> in_water, in_air;
+        for (const scene::Light& light : scene.state.lights) {
+            in_water.clear();
+            in_air.clear();
+            for (std::size_t pixel = begin; pixel < end; ++pixel) {
+                constexpr std::uint32_t wanted = view::kReceiver | view::kInWater;
+                if ((layer.flags[pixel] & wanted) != wanted || covered[pixel]) continue;
+                const scene::Water& water = *scene.state.water;
+                const glm::dvec3 position = glm::dvec3(layer.position[pixel]) + scene.origin;
+                const auto flat = through_flat_water(light, position, water.refractive_index);
+                if (!flat || !inside_extent(water.extent, flat->entry)) continue;
+                const double facing = -glm::dot(flat->direction, glm::dvec3(layer.geometric_normal[pixel]));
+                const double cosine = -glm::dot(flat->direction, glm::dvec3(layer.shading_normal[pixel]));
+                if (facing <= 0 || cosine <= 0) continue;
+                const glm::dvec3 strength =
+                    light.type == scene::LightType::sun ? light.irradiance : light.intensity;
+                const glm::dvec3 transmitted = glm::exp(-flat->water_distance * water.absorption);
+                const glm::vec3 arriving(cosine * flat->transport * strength * transmitted);
+                const glm::vec3 entry(flat->entry - scene.origin);
+                in_water.push_back({pixel,
+                                    {shadow_origin(layer, pixel), 0, glm::vec3(-flat->direction),
+                                     static_cast<float>(flat->water_distance)},
+                                    arriving});
+                in_air.push_back(
+                    {pixel,
+                     {entry, 0, glm::vec3(-flat->from), static_cast<float>(flat->source_distance)},
+                     arriving});
+            }
+            std::vector<std::uint8_t> blocked(in_water.size(), 0);
+            add_unoccluded(rays, in_water, blocked);
+            add_unoccluded(rays, in_air, blocked);
+            for (std::size_t i = 0; i < in_water.size(); ++i) {
+                if (!blocked[i]) irradiance[in_water[i].pixel] += in_water[i].irradiance;
+            }
+        }
+    });
+}
+
+std::vector<glm::vec3> sky_irradiance(const scene::FrameScene& scene, const view::ReceiverLayer& layer) {
+    const glm::dvec3 radiance = scene.state.sky.radiance;
+    if (radiance == glm::dvec3(0)) return std::vector<glm::vec3>(layer.pixels(), glm::vec3(0));
+    return by_tiles(layer, [&](std::size_t begin, std::size_t end, std::vector<glm::vec3>& irradiance) {
+        for (std::size_t pixel = begin; pixel < end; ++pixel) {
+            if (!(layer.flags[pixel] & view::kReceiver)) continue;
+            const double upward = 0.5 * (1 + static_cast<double>(layer.shading_normal[pixel].y));
+            glm::dvec3 arriving = glm::pi<double>() * upward * radiance;
+            if (layer.flags[pixel] & view::kInWater) {
+                const scene::Water& water = *scene.state.water;
+                const double depth =
+                    std::max(0.0, -(static_cast<double>(layer.position[pixel].y) + scene.origin.y));
+                const glm::dvec3 attenuation =
+                    glm::mix(water.diffuse_attenuation, water.absorption,
+                             glm::lessThan(water.diffuse_attenuation, glm::dvec3(0)));
+                arriving *= kDiffuseTransmittance * glm::exp(-depth * attenuation);
+            }
+            irradiance[pixel] = glm::vec3(arriving);
+        }
+    });
+}
+
+}  // namespace dapple::render

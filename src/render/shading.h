@@ -1,0 +1,26 @@
+#pragma once
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "rays/ray_scene.h"
+#include "scene/frame_scene.h"
+#include "view/receiver_layer.h"
+
+namespace dapple::render {
+
+/// E_direct [W/m^2], an entry a pixel: light that reaches the receivers without a specular event, from lights
+/// in the same medium, shadowed by objects. A sun with a disc is sampled in one direction a layer, from a set
+/// fixed by the layer's sample, equal for all pixels and frames.
+std::vector<glm::vec3> direct_irradiance(const scene::FrameScene& scene, const rays::RayScene& rays,
+                                         const view::ReceiverLayer& layer);
+
+/// Stand-in for E [W/m^2] at receivers in the water that the method does not cover (`covered` 0): the light
+/// that flat water would let through, shadowed by objects on both sides of the surface. 0 elsewhere.
+std::vector<glm::vec3> flat_water_irradiance(const scene::FrameScene& scene, const rays::RayScene& rays,
+                                             const view::ReceiverLayer& layer,
+                                             const std::vector<std::uint8_t>& covered);
+
+/// E_sky [W/m^2] (CONVENTIONS.md, "Light").
+std::vector<glm::vec3> sky_irradiance(const scene::FrameScene& scene, const view::ReceiverLayer& layer);
+
+}  // namespace dapple::render

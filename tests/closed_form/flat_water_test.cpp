@@ -1,0 +1,108 @@
+// Flat water over an open floor: E = E_perp cos(i) T exp(-sigma d / cos(t)), through the whole pipeline.
+#include <gtest/gtest.h>
+
+#include "closed_form/flat_scene.h"
+#include "gpu/validated_device.h"
+#include "render/frame_renderer.h"
+
+namespace dapple {
+namespace {
+
+constexpr double kDepth = 2;
+constexpr double kPatch = 6;
+constexpr double kIndex = 1.333;
+constexpr int kPixels = 96;
+const char* const kLetters = "RGB";
+
+render::RenderedFrame render_frame(const scene::FrameState& state) {
+    render::FrameRenderer renderer(test::validated_device());
+    FrameStats stats;
+    return renderer.render(state, stats);
+}
+
+const std::vector<float>& values(const image::Image& image, const std::string& name) {
+    const image::Channel* channel = image.find(name);
+    if (!channel) throw std::runtime_error("no channel " + name);
+    return channel->values;
+}
+
+class FlatWater : public testing::TestWithParam<double> {};
+
+INSTANTIATE_TEST_SUITE_P(SunFromZenith, FlatWater, testing::Values(0.0, 30.0, 60.0, 80.0, 89.0),
+                         [](const auto& info) {
+                             return std::to_string(static_cast<int>(info.param)) + "deg";
+                         });
+
+TEST_P(FlatWater, FloorIrradianceIsTheClosedForm) {
+    scene::FrameState state = test::pool_over_floor(kPatch, kDepth, 1.6, kPixels);
+    // Follow the light: the part of the floor whose light enters in the middle of the patch.
+    const double shift = kDepth * std::tan(std::asin(std::sin(glm::radians(GetParam())) / kIndex));
+    state.camera.position.x = state.camera.target.x = shift;
+    state.water->extent.kind = scene::ExtentKind::open_water;
+    state.lights = {test::sun_from_zenith(GetParam())};
+    const render::RenderedFrame frame = render_frame(state);
+    EXPECT_EQ(frame.non_finite.count, 0u);
+    const test::FlatFloor floor = test::flat_floor(GetParam(), kDepth, kIndex);
+    for (int c = 0; c < 3; ++c) {
+        const double expected = state.lights[0].irradiance[c] * floor.irradiance *
+                                std::exp(-state.water->absorption[c] * floor.way);
+        double mean = 0;
+        for (const float value : values(frame.linear, std::string("E.") + kLetters[c])) {
+            ASSERT_NEAR(value, expected, 0.005 * expected);
+            mean += value;
+        }
+        mean /= kPixels * kPixels;
+        EXPECT_NEAR(mean, expected, 1e-4 * expected);
+    }
+    for (const float covered : values(frame.linear, "covered")) ASSERT_EQ(covered, 1);
+}
+
+TEST_P(FlatWater, OrthographicPictureIsReflectedIrradianceAfterTheWayToTheCamera) {
+    scene::FrameState state = test::pool_over_floor(kPatch, kDepth, 1.6, kPixels);
+    const double shift = kDepth * std::tan(std::asin(std::sin(glm::radians(GetParam())) / kIndex));
+    state.camera.position.x = state.camera.target.x = shift;
+    state.water->extent.kind = scene::ExtentKind::open_water;
+    state.lights = {test::sun_from_zenith(GetParam())};
+    const render::RenderedFrame frame = render_frame(state);
+    const test::FlatFloor floor = test::flat_floor(GetParam(), kDepth, kIndex);
+    const double way_to_camera = kDepth + state.camera.position.y;
+    for (int c = 0; c < 3; ++c) {
+        const double expected = state.objects[0].material.color[c] * glm::one_over_pi<double>() *
+                                state.lights[0].irradiance[c] * floor.irradiance *
+                                std::exp(-state.water->absorption[c] * (floor.way + way_to_camera));
+        for (const float value : values(frame.linear, std::string(1, kLetters[c]))) {
+            ASSERT_NEAR(value, expected, 0.005 * expected);
+        }
+    }
+}
+
+TEST_P(FlatWater, PerspectivePictureDimsWithTheWayOfEachPixel) {
+    scene::FrameState state = test::pool_over_floor(kPatch, kDepth, 0, kPixels);
+    const double shift = kDepth * std::tan(std::asin(std::sin(glm::radians(GetParam())) / kIndex));
+    state.camera.projection = scene::Projection::perspective;
+    state.camera.field_of_view = glm::radians(50.0);
+    state.camera.position.x = state.camera.target.x = shift;
+    state.water->extent.kind = scene::ExtentKind::open_water;
+    state.lights = {test::sun_from_zenith(GetParam())};
+    const render::RenderedFrame frame = render_frame(state);
+    const test::FlatFloor floor = test::flat_floor(GetParam(), kDepth, kIndex);
+    const double height = kDepth + state.camera.position.y;
+    const double pixel_size = 2 * std::tan(0.5 * state.camera.field_of_view) / kPixels;
+    for (int y = 0; y < kPixels; ++y) {
+        for (int x = 0; x < kPixels; ++x) {
+            const double u = (x + 0.5 - 0.5 * kPixels) * pixel_size,
+                         v = (y + 0.5 - 0.5 * kPixels) * pixel_size;
+            const double way_to_camera = height * std::sqrt(1 + u * u + v * v);
+            for (int c = 0; c < 3; ++c) {
+                const double expected = state.objects[0].material.color[c] * glm::one_over_pi<double>() *
+                                        state.lights[0].irradiance[c] * floor.irradiance *
+                                        std::exp(-state.water->absorption[c] * (floor.way + way_to_camera));
+                const auto& picture = values(frame.linear, std::string(1, kLetters[c]));
+                ASSERT_NEAR(picture[static_cast<std::size_t>(y * kPixels + x)], expected, 0.005 * expected);
+            }
+        }
+    }
+}
+
+}  // namespace
+}  // namespace dapple
