@@ -35,6 +35,8 @@ constexpr std::array kRequiredFeatures = {
     Feature{"hostQueryReset", [](Features& f) -> vk::Bool32& { return f.v12.hostQueryReset; }},
     Feature{"dynamicRendering", [](Features& f) -> vk::Bool32& { return f.v13.dynamicRendering; }},
     Feature{"synchronization2", [](Features& f) -> vk::Bool32& { return f.v13.synchronization2; }},
+    // The GLSL compiler states work group sizes by id.
+    Feature{"maintenance4", [](Features& f) -> vk::Bool32& { return f.v13.maintenance4; }},
     // `discard` in GLSL for Vulkan 1.3 becomes one of these two.
     Feature{"shaderTerminateInvocation",
             [](Features& f) -> vk::Bool32& { return f.v13.shaderTerminateInvocation; }},

@@ -16,7 +16,7 @@ struct DeviceInfo {
 };
 
 struct DeviceOptions {
-    std::string name;  ///< part of a device's name, any case; empty: the fastest present
+    std::string name{};  ///< part of a device's name, any case; empty: the fastest present
     bool validation =
         false;        ///< validation layer with synchronization checks; also on when $DAPPLE_VALIDATION is 1
     int threads = 0;  ///< worker threads of a CPU driver; 0: its own choice

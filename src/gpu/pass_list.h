@@ -18,10 +18,10 @@ namespace dapple::gpu {
 /// What a pass binds, in the order of its pipeline's Interface. Storage buffers that it writes are listed in
 /// `writes` too, so that barriers follow from the declaration.
 struct Bindings {
-    std::vector<const Buffer*> buffers;
-    std::vector<const Image*> images;
-    std::vector<const Buffer*> writes;
-    std::vector<std::byte> push;
+    std::vector<const Buffer*> buffers{};
+    std::vector<const Image*> images{};
+    std::vector<const Buffer*> writes{};
+    std::vector<std::byte> push{};
 
     template <class T>
     void set_push(const T& value) {
@@ -36,7 +36,7 @@ struct Draw {
 };
 
 struct Targets {
-    std::vector<const Image*> colors;
+    std::vector<const Image*> colors{};
     const Image* depth = nullptr;
     bool clear = true;  ///< colours to 0, depth to 1; else their contents are kept
 };

@@ -36,10 +36,10 @@ enum class Blend { none, add };
 
 /// Vertices are pulled from storage buffers by gl_VertexIndex; an index buffer is optional at the draw.
 struct RasterDescription {
-    Interface interface;
+    Interface interface {};
     Topology topology = Topology::triangles;
     Blend blend = Blend::none;
-    std::vector<Format> color_formats;
+    std::vector<Format> color_formats{};
     bool depth_test = false;  ///< less-or-equal against a depth32f attachment cleared to 1
 };
 
