@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/suggest.h"
 
 namespace dapple::input {
 namespace {
@@ -101,7 +102,7 @@ std::string clear_text(const std::string& message) {
         std::string_view from;
         std::string_view to;
     };
-    static constexpr std::array kTranslations{
+    static const std::array kTranslations{
         Translation{YAML::ErrorMsg::END_OF_MAP_FLOW, "'}' is missing, or a ',' before this"},
         Translation{YAML::ErrorMsg::END_OF_SEQ_FLOW, "']' is missing, or a ',' before this"},
         Translation{YAML::ErrorMsg::END_OF_MAP, "this does not fit the indentation of the keys above"},
@@ -192,7 +193,7 @@ private:
         node.place = node.key_place = lines_.place(mark);
         if (!tag.empty() && tag != "?" && tag != "!")
             fault(node.place, path(),
-                  "tags such as '" + clipped(tag) + "' are not used; write the value alone");
+                  "tags such as " + quoted(clipped(tag)) + " are not used; write the value alone");
         return node;
     }
 

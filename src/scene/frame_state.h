@@ -43,7 +43,8 @@ struct Camera {
 
 enum class ExtentKind {
     pool,        ///< the water ends at the rectangle
-    open_water,  ///< for camera rays the rest plane goes on outside the rectangle; light enters inside it only
+    open_water,  ///< for camera rays the rest plane goes on outside the rectangle; light enters inside it
+                 ///< only
 };
 
 struct Extent {
@@ -68,9 +69,12 @@ enum class LightType { sun, point, spot };
 struct Light {
     std::string name;
     LightType type = LightType::sun;
-    glm::dvec3 direction{0, -1, 0};  ///< unit, of travel; sun and spot
-    glm::dvec3 position{0, 3, 0};    ///< m; point and spot
-    glm::dvec3 irradiance{3, 3, 3};  ///< W/m^2 on a plane that faces the sun
+    glm::dvec3 direction{0, -1, 0};    ///< unit, of travel; sun and spot; what follows from the three below
+    double elevation = 0;              ///< rad, as written: where the sun stands; see schema.h, sun_direction
+    double azimuth = 0;                ///< rad, as written
+    glm::dvec3 target{0, 0, 0};        ///< m, as written: where a spot points
+    glm::dvec3 position{0, 3, 0};      ///< m; point and spot
+    glm::dvec3 irradiance{3, 3, 3};    ///< W/m^2 on a plane that faces the sun
     glm::dvec3 intensity{10, 10, 10};  ///< W/sr; point, and on the axis of a spot
     double angular_diameter = 0.00925;  ///< rad, sun; 0.53 deg; 0 is directional
     double cone_angle = 0.5236;         ///< rad, spot: half-angle where its light has fallen to nothing
@@ -79,10 +83,12 @@ struct Light {
 
 enum class Shape { plane, box, sphere, mesh };
 
-/// world = translation * rotation(y, then x, then z; degrees in the file) * scale, applied to the shape at the origin.
+/// world = translation * rotation(y, then x, then z; degrees in the file) * scale, applied to the shape at
+/// the origin.
 struct Transform {
     glm::dvec3 position{0, 0, 0};
-    glm::dvec3 rotation{0, 0, 0};  ///< rad about x, y, z; applied in the order y * x * z (heading, pitch, roll)
+    glm::dvec3 rotation{0, 0,
+                        0};  ///< rad about x, y, z; applied in the order y * x * z (heading, pitch, roll)
     glm::dvec3 scale{1, 1, 1};
 };
 
@@ -105,7 +111,8 @@ struct Object {
     Material material;
 };
 
-/// Constant radiance from all directions of the air that hit nothing [W/m^2/sr]; also lights diffusely (E_sky).
+/// Constant radiance from all directions of the air that hit nothing [W/m^2/sr]; also lights diffusely
+/// (E_sky).
 struct Sky {
     glm::dvec3 radiance{0, 0, 0};
 };

@@ -1,0 +1,46 @@
+#include "scene/number_pattern.h"
+
+#include <algorithm>
+
+namespace dapple::scene {
+namespace {
+
+constexpr std::size_t kMostDigits = 18;  // more do not fit the number
+
+bool is_digit(char c) {
+    return c >= '0' && c <= '9';
+}
+
+/// The place that begins at `begin`, if one does.
+NumberPattern place_at(std::string_view text, std::size_t begin) {
+    NumberPattern place{begin, 0, 1};
+    if (text[begin] == '#') {
+        place.length = std::min(text.find_first_not_of('#', begin), text.size()) - begin;
+        place.digits = place.length;
+    } else if (text[begin] == '%') {
+        std::size_t end = begin + 1;
+        std::size_t digits = 0;
+        while (end < text.size() && is_digit(text[end]) && digits <= kMostDigits)
+            digits = 10 * digits + static_cast<std::size_t>(text[end++] - '0');
+        if (end < text.size() && text[end] == 'd') place.length = end + 1 - begin;
+        place.digits = std::max<std::size_t>(digits, 1);
+    }
+    if (place.digits > kMostDigits) place.length = 0;
+    return place;
+}
+
+}  // namespace
+
+NumberPattern find_number(std::string_view pattern) {
+    NumberPattern found;
+    for (std::size_t i = 0; i < pattern.size(); ++i) {
+        const NumberPattern place = place_at(pattern, i);
+        if (place.length == 0) continue;
+        if (found.length != 0) return {};
+        found = place;
+        i += place.length - 1;
+    }
+    return found;
+}
+
+}  // namespace dapple::scene
