@@ -1,0 +1,43 @@
+#pragma once
+#include <cstddef>
+
+#include "scene/frame_state.h"
+
+namespace dapple::ocean {
+
+/// Largest number of triangles of a mesh whose resolution is not given.
+constexpr double kDefaultTriangleCap = 2.1e6;
+constexpr double kDefaultCellsPerWave = 25;
+/// Largest number of triangles altogether; a mesh_cells beyond it is refused.
+constexpr double kTriangleLimit = 1e8;
+
+/// The regular grid of a computed surface.
+struct GridSize {
+    int cells_x = 2;
+    int cells_z = 2;
+    double shortest_wave = 0;            ///< m; 0: flat
+    double cells_per_shortest_wave = 0;  ///< along the coarser axis; 0: flat
+    bool capped = false;                 ///< fewer cells than the default asks for, to keep to the cap
+    std::size_t vertices() const {
+        return (static_cast<std::size_t>(cells_x) + 1) * (static_cast<std::size_t>(cells_z) + 1);
+    }
+    std::size_t triangles() const {
+        return 2 * static_cast<std::size_t>(cells_x) * static_cast<std::size_t>(cells_z);
+    }
+};
+
+/// Whether the surface is `waves` or `spectrum` without any amplitude: exactly flat, whatever the mesh.
+bool is_flat(const scene::WaterSurface& surface);
+
+/// Cells of the mesh of `waves` and `spectrum` (a mesh_sequence brings its own mesh): `mesh_cells` along x
+/// and as many along z as make square cells, or 25 cells a shortest wave under a cap of 2.1 million
+/// triangles; waves count whatever their amplitude, so that a keyed amplitude leaves the mesh alone. Flat
+/// water has 2 by 2 cells. Sizes of a spectrum are of the form 2^a 3^b 5^c, for the FFT: rounded up, or down
+/// where the cap would be passed. Error(timeline_invalid) beyond kTriangleLimit.
+GridSize grid_size(const scene::Water& water);
+
+/// The smallest number >= n, or the largest <= n, of the form 2^a 3^b 5^c; n >= 1.
+int smooth_size_up(int n);
+int smooth_size_down(int n);
+
+}  // namespace dapple::ocean

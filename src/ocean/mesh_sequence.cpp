@@ -1,0 +1,84 @@
+#include "ocean/mesh_sequence.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <utility>
+
+#include "base/error.h"
+#include "input/mesh_file.h"
+#include "scene/number_pattern.h"
+
+namespace dapple::ocean {
+namespace {
+
+/// How far back `hold` looks for a file.
+constexpr std::int64_t kLongestHold = 10000;
+
+bool exists(const std::string& path) {
+    std::error_code error;
+    return std::filesystem::exists(path, error);
+}
+
+std::string existing_file(const scene::MeshSequence& sequence, std::int64_t number) {
+    const std::string wanted = scene::file_path(sequence, number);
+    if (sequence.missing == scene::MissingFrames::error || exists(wanted)) return wanted;
+    const std::int64_t last_tried = std::max(sequence.first_file, number - kLongestHold);
+    for (std::int64_t earlier = number - 1; earlier >= last_tried; --earlier) {
+        std::string path = scene::file_path(sequence, earlier);
+        if (exists(path)) return path;
+    }
+    throw Error(ExitCode::input_unreadable, clipped(wanted) + ": no such file, and none before it to hold");
+}
+
+}  // namespace
+
+bool orient_upwards(scene::TriangleMesh& mesh) {
+    mesh.normals.assign(mesh.positions.size(), glm::dvec3(0));
+    double upward = 0;
+    double area = 0;
+    for (const glm::uvec3& t : mesh.triangles) {
+        const glm::dvec3& a = mesh.positions[t.x];
+        const glm::dvec3 twice_area = glm::cross(mesh.positions[t.y] - a, mesh.positions[t.z] - a);
+        for (const std::uint32_t v : {t.x, t.y, t.z}) mesh.normals[v] += twice_area;
+        upward += twice_area.y;
+        area += glm::length(twice_area);
+    }
+    if (!(std::abs(upward) > 1e-6 * area)) return false;
+    const double sign = upward > 0 ? 1 : -1;
+    if (sign < 0) {
+        for (glm::uvec3& t : mesh.triangles) std::swap(t.y, t.z);
+    }
+    for (glm::dvec3& normal : mesh.normals) {
+        const double length = glm::length(normal);
+        // A vertex of no triangle, or of triangles without area.
+        normal = length > 0 ? normal * (sign / length) : glm::dvec3(0, 1, 0);
+    }
+    return true;
+}
+
+scene::WaterMesh sequence_mesh(const scene::MeshSequence& sequence, double time) {
+    if (scene::find_number(sequence.pattern).length == 0) {
+        throw Error(ExitCode::timeline_invalid,
+                    clipped(sequence.pattern) + ": write the number of the file once, as %04d or ####");
+    }
+    const std::string path = existing_file(sequence, scene::file_number(sequence, time));
+    scene::WaterMesh water;
+    water.mesh = input::read_mesh(path);
+    water.mesh.uv.clear();
+    for (glm::dvec3& p : water.mesh.positions) {
+        if (sequence.up == scene::UpAxis::z) p = {p.x, p.z, -p.y};
+        p = sequence.scale * p + sequence.offset;
+        water.largest_height = std::max(water.largest_height, std::abs(p.y));
+    }
+    if (!orient_upwards(water.mesh)) {
+        throw Error(
+            ExitCode::input_unreadable,
+            clipped(path) + ": the mesh faces neither up nor down; a water surface is one open sheet");
+    }
+    // Known of this file only. Its displacement is part of the positions: there is no grid that it is off.
+    water.height_bound = water.largest_height;
+    return water;
+}
+
+}  // namespace dapple::ocean

@@ -1,0 +1,44 @@
+#pragma once
+#include <memory>
+#include <string>
+
+#include "ocean/grid_size.h"
+#include "ocean/surface_grid.h"
+#include "scene/frame_state.h"
+#include "scene/mesh.h"
+
+namespace dapple::ocean {
+
+/// The water of a frame as a mesh. Holds what does not depend on time (modes of the spectrum, tables of the
+/// waves), so it is worth keeping while key() stays the same. All functions are const, thread-safe and run on
+/// parallel_for; the bits of their results do not depend on the number of threads.
+class WaterSurface {
+public:
+    /// Error(timeline_invalid) for a spectrum of too many modes, a mesh of too many triangles.
+    explicit WaterSurface(const scene::Water& water);
+    ~WaterSurface();
+    WaterSurface(WaterSurface&&) noexcept;
+    WaterSurface& operator=(WaterSurface&&) noexcept;
+
+    /// Everything of `water` that shapes the surface and its mesh, as text: equal keys, equal meshes.
+    static std::string key(const scene::Water& water);
+
+    /// All fields of WaterMesh. Height bounds hold at all times for waves and spectrum (sums of amplitudes, a
+    /// little rounding added) and for the file at hand for a mesh_sequence. Error(input_unreadable) for files
+    /// of a mesh_sequence.
+    scene::WaterMesh mesh(double time) const;
+
+    /// The two below are for `waves` and `spectrum` only (asserted); both are before horizontal displacement.
+    SurfaceGrid grid(double time, FieldMask fields) const;
+    /// The exact sum at one point, m and s. A spectrum takes time in proportion to its modes.
+    SurfaceSample sample(double x, double z, double time) const;
+
+    /// Of the computed mesh; a mesh_sequence has none (0 cells).
+    GridSize size() const;
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+}  // namespace dapple::ocean
