@@ -141,9 +141,18 @@ std::string lacking(const vk::raii::PhysicalDevice& physical) {
     return missing;
 }
 
+/// Messages that are no faults, each with the reason.
+bool known_false_alarm(VkDebugUtilsMessageTypeFlagsEXT type, std::string_view id) {
+    // Advice to move images to a layout a use. Ours stay in GENERAL, which every use permits: a CPU driver
+    // gains nothing by others. The same id as an error, not as advice, counts.
+    return (type & VK_DEBUG_UTILS_MESSAGE_TYPE_PERFORMANCE_BIT_EXT) != 0 &&
+           id == "UNASSIGNED-CoreValidation-DrawState-InvalidImageLayout";
+}
+
 VKAPI_ATTR VkBool32 VKAPI_CALL collect_message(VkDebugUtilsMessageSeverityFlagBitsEXT,
-                                               VkDebugUtilsMessageTypeFlagsEXT,
+                                               VkDebugUtilsMessageTypeFlagsEXT type,
                                                const VkDebugUtilsMessengerCallbackDataEXT* data, void* user) {
+    if (known_false_alarm(type, data->pMessageIdName ? data->pMessageIdName : "")) return VK_FALSE;
     auto& log = *static_cast<ValidationLog*>(user);
     const std::lock_guard lock(log.mutex);
     log.messages.push_back(clipped(data->pMessage));

@@ -42,8 +42,10 @@ struct Targets {
 };
 
 /// Passes in the order of submission; each has a name, declares what it reads and writes (barriers follow),
-/// and gets a pair of timestamps. run() submits all, waits, reports pass times to `stats`, and empties the
-/// list.
+/// and gets a pair of timestamps. Wrong bindings and targets throw std::logic_error with a sentence; a
+/// storage buffer larger than Device::largest_storage_range throws Error(device). Buffers, images and
+/// pipelines may be moved, but not destroyed, before run(), which submits all, waits, reports pass times to
+/// `stats`, and empties the list.
 class PassList {
 public:
     explicit PassList(Device& device);
@@ -55,6 +57,8 @@ public:
     /// Tightly packed rows, in the image's own format.
     void copy(std::string_view name, const Image& from, const Buffer& to);
     void copy(std::string_view name, const Buffer& from, const Image& to);
+    /// The wall and CPU time of the whole run is shared out to the passes in proportion to their device time.
+    /// The first run of a pipeline includes its compilation by the driver.
     void run(FrameStats& stats);  // throws Error(device)
 
 private:

@@ -10,7 +10,9 @@
 namespace dapple::gpu {
 
 /// Bindings are set 0, numbered from 0: first `storage_buffers` storage buffers, then `sampled_images` images
-/// read by texelFetch (uniform sampler2D). Push constants are one block of `push_bytes` (at most 128).
+/// read by texelFetch (uniform sampler2D). Push constants are one block of `push_bytes` (at most 128), the
+/// same for all stages. Blocks are `layout(scalar)`. Vertex and fragment shaders declare their storage
+/// buffers `readonly`: writing from them is a feature that not every device has, and none is needed here.
 struct Interface {
     std::uint32_t storage_buffers = 0;
     std::uint32_t sampled_images = 0;
@@ -34,7 +36,10 @@ private:
 enum class Topology { points, triangles };
 enum class Blend { none, add };
 
-/// Vertices are pulled from storage buffers by gl_VertexIndex; an index buffer is optional at the draw.
+/// Vertices are pulled from storage buffers by gl_VertexIndex; an index buffer is optional at the draw. The
+/// viewport is the whole target: clip space (-1, -1) is the top left corner of pixel (0, 0), y points down;
+/// nothing is culled. Points are squares of gl_PointSize pixels (up to Device::largest_point_size).
+/// Primitives blend in their order.
 struct RasterDescription {
     Interface interface {};
     Topology topology = Topology::triangles;

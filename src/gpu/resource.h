@@ -10,16 +10,18 @@
 
 namespace dapple::gpu {
 
-/// A storage, vertex and index buffer that the host reads and writes through one lasting mapping (on devices
-/// without such memory: through a staging copy around each pass list). Move-only owner; freed with the
-/// object, which must outlive the PassList::run that uses it.
+/// A storage, vertex, index and indirect buffer that the host reads and writes through one lasting mapping of
+/// host-visible, coherent memory. Every Vulkan device has such memory, so there is one path; where it lies
+/// across a bus it is correct and slow. The host may touch it whenever no PassList::run is under way. New
+/// contents are undefined. Move-only owner; freed with the object, which must outlive the PassList::run that
+/// uses it. Throws Error(device) where memory ends.
 class Buffer {
 public:
     Buffer(Device& device, std::string_view name, std::size_t bytes);
     ~Buffer();
     Buffer(Buffer&&) noexcept;
     Buffer& operator=(Buffer&&) noexcept;
-    std::size_t bytes() const;
+    std::size_t bytes() const;  ///< as asked for; may be 0
     template <class T>
     std::span<T> as() {
         return {static_cast<T*>(data()), bytes() / sizeof(T)};
@@ -35,7 +37,9 @@ private:
 
 enum class Format { rgba32f, rg32f, r32f, r32u, depth32f };
 
-/// A 2-D image that passes render into or read; copied to and from buffers by passes.
+/// A 2-D image that passes render into or read; copied to and from buffers by passes. New contents are
+/// undefined: clear at the first draw, or copy into it. Throws Error(device) for sizes that the device does
+/// not take.
 class Image {
 public:
     Image(Device& device, std::string_view name, int width, int height, Format format);

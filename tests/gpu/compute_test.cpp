@@ -50,8 +50,8 @@ TEST_F(Compute, PassesRunInOrderAndSeeEarlierResults) {
     Buffer b(device, "b", kCount * 4);
     PassList passes(device);
     passes.compute("write", write, writing(a, 5), kGroups);
-    passes.compute("add", add, adding(a, b), kGroups);      // reads what was written
-    passes.compute("add", add, adding(b, a), kGroups);      // overwrites what was read
+    passes.compute("add", add, adding(a, b), kGroups);       // reads what was written
+    passes.compute("add", add, adding(b, a), kGroups);       // overwrites what was read
     passes.compute("write", write, writing(b, 7), kGroups);  // overwrites what was read and written
     passes.run(stats);
     for (std::uint32_t i = 0; i < kCount; ++i) {
@@ -117,7 +117,8 @@ TEST_F(Compute, WrongBindingsAreRefusedWithASentence) {
 }
 
 TEST_F(Compute, BuffersBeyondOneBindingAreRefused) {
-    if (device.largest_storage_range() > 1u << 28) GTEST_SKIP() << "the device binds more than the test would take";
+    if (device.largest_storage_range() > 1u << 28)
+        GTEST_SKIP() << "the device binds more than the test would take";
     const Buffer large(device, "large", static_cast<std::size_t>(device.largest_storage_range()) + 4);
     PassList passes(device);
     try {

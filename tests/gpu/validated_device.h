@@ -9,8 +9,8 @@
 
 namespace dapple::test {
 
-/// Holds the device that the tests of a program share, and fails the program at its end if the validation layer had
-/// anything to say, the device's destruction included.
+/// Holds the device that the tests of a program share, and fails the program at its end if the validation
+/// layer had anything to say, the device's destruction included.
 class ValidatedDevice : public ::testing::Environment {
 public:
     void TearDown() override {
@@ -36,8 +36,10 @@ private:
 inline ValidatedDevice* const validated_device_environment =
     static_cast<ValidatedDevice*>(::testing::AddGlobalTestEnvironment(new ValidatedDevice));
 
-/// The device to test with: opened at the first call, with validation and synchronization checks. Resources made
-/// with it must not outlive their test.
-inline gpu::Device& validated_device() { return validated_device_environment->device(); }
+/// The device to test with: opened at the first call, with validation and synchronization checks. Resources
+/// made with it must not outlive their test.
+inline gpu::Device& validated_device() {
+    return validated_device_environment->device();
+}
 
 }  // namespace dapple::test

@@ -25,7 +25,8 @@ protected:
 
     void write_then_read(bool declare) {
         PassList passes(device);
-        Bindings writing{.buffers = {&a}, .writes = declare ? std::vector<const Buffer*>{&a} : std::vector<const Buffer*>{}};
+        Bindings writing{.buffers = {&a},
+                         .writes = declare ? std::vector<const Buffer*>{&a} : std::vector<const Buffer*>{}};
         writing.set_push(std::array<std::uint32_t, 2>{kCount, 1});
         passes.compute("write", write, std::move(writing), {1, 1, 1});
         Bindings reading{.buffers = {&a, &b}, .writes = {&b}};
@@ -39,7 +40,8 @@ TEST_F(Validation, AnUndeclaredWriteIsCaughtAsAHazard) {
     ASSERT_TRUE(device.validation_active());
     write_then_read(false);
     EXPECT_THAT(device.validation_messages(), Contains(HasSubstr("SYNC-HAZARD-READ-AFTER-WRITE")));
-    EXPECT_THAT(device.validation_messages(), Contains(HasSubstr("buffer a"))) << "debug names stand in messages";
+    EXPECT_THAT(device.validation_messages(), Contains(HasSubstr("buffer a")))
+        << "debug names stand in messages";
 }
 
 TEST_F(Validation, DeclaredWritesAreSilent) {

@@ -1,0 +1,116 @@
+// The physics headers as the device runs them, against the same text in C++.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "base/hash.h"
+#include "gpu/pass_list.h"
+#include "gpu/validated_device.h"
+#include "optics/optics.h"
+#include "spirv/test_refraction_comp.h"
+
+namespace dapple::gpu {
+namespace {
+
+using glm::vec3;
+using uint = std::uint32_t;
+#include "test/refraction_case.h"
+
+static_assert(sizeof(RefractionInput) == 28 && sizeof(RefractionOutput) == 40);
+
+std::vector<RefractionInput> inputs() {
+    constexpr float kWater = 1.333f;
+    std::vector<RefractionInput> result;
+    const auto add = [&result](glm::dvec3 normal, double cos_i, double turn, float eta) {
+        const glm::dvec3 side = glm::normalize(
+            glm::cross(normal, std::abs(normal.x) < 0.5 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0)));
+        const glm::dvec3 tangent = std::cos(turn) * side + std::sin(turn) * glm::cross(normal, side);
+        const glm::dvec3 incident = std::sqrt(std::max(0.0, 1 - cos_i * cos_i)) * tangent - cos_i * normal;
+        RefractionInput input{vec3(incident), vec3(normal), eta};
+        if (glm::dot(input.incident, input.normal) > 0)
+            input.normal = -input.normal;  // rounding at grazing incidence
+        result.push_back(input);
+    };
+    // Straight on, grazing, and at and about the critical angle, both ways through the surface, and with no
+    // change.
+    for (const float eta : {1 / kWater, kWater, 1.0f})
+        for (const glm::dvec3 normal : {glm::dvec3(0, 1, 0), glm::normalize(glm::dvec3(0.1, 1, -0.2))}) {
+            for (const double cos_i : {1.0, 1 - 1e-7, 0.5, 1e-3, 1e-6, 0.0}) add(normal, cos_i, 0.3, eta);
+            if (eta > 1)
+                for (const double step : {-1e-3, -1e-6, 1e-6, 1e-3})
+                    add(normal, std::sqrt(1 - 1 / (double{eta} * eta)) + step, 0.3, eta);
+        }
+    for (std::uint64_t i = 0; i < 100'000; ++i) {
+        const auto random = [i](std::uint32_t dimension) { return hash_uniform(7, 0, i, dimension); };
+        const double y = 2 * random(0) - 1;
+        const double angle = 2 * M_PI * random(1);
+        const double ring = std::sqrt(1 - y * y);
+        const float eta = i % 2 == 0 ? kWater : 1 / kWater;
+        add({ring * std::cos(angle), y, ring * std::sin(angle)}, random(2), 2 * M_PI * random(3), eta);
+    }
+    return result;
+}
+
+float largest(vec3 v) {
+    return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+}
+
+TEST(OpticsOnTheDevice, AgreesWithCpp) {
+    namespace cpp = optics::f32;
+    Device& device = test::validated_device();
+    const std::vector<RefractionInput> given = inputs();
+    Buffer in(device, "inputs", given.size() * sizeof(RefractionInput));
+    Buffer out(device, "outputs", given.size() * sizeof(RefractionOutput));
+    std::copy(given.begin(), given.end(), in.as<RefractionInput>().begin());
+    const ComputePipeline pipeline(device, "refraction", test_refraction_comp,
+                                   {.storage_buffers = 2, .push_bytes = 4});
+    Bindings bindings{.buffers = {&in, &out}, .writes = {&out}};
+    const auto count = static_cast<std::uint32_t>(given.size());
+    bindings.set_push(count);
+    PassList passes(device);
+    FrameStats stats;
+    passes.compute("refraction", pipeline, bindings, {(count + 63) / 64, 1, 1});
+    passes.run(stats);
+
+    // Additions, products and roots of IEEE arithmetic in the same order give the same values everywhere. A
+    // device may contract a product and a sum, and divide and take roots within 2.5 and 3 ulp (Vulkan,
+    // precision of operations): then values of about 1 part by some units of 2^-24. Only where the sine of
+    // the refracted angle rounds to 1 may the two disagree about total reflection.
+    constexpr float kUnit = 0x1p-24f;
+    constexpr float kValue = 16 * kUnit;
+    int total_reflections = 0;
+    for (std::size_t i = 0; i < given.size(); ++i) {
+        const RefractionInput& input = given[i];
+        const RefractionOutput& result = out.as<RefractionOutput>()[i];
+        const double cosine = glm::dot(glm::dvec3(input.incident), glm::dvec3(input.normal));
+        const double sin_t = double{input.eta} * std::sqrt((1 - cosine) * (1 + cosine));
+        vec3 refracted;
+        const bool transmitted = cpp::refracted_direction(input.incident, input.normal, input.eta, refracted);
+        if (std::abs(sin_t - 1) < kValue) continue;
+        ASSERT_EQ(transmitted, result.transmitted != 0) << i;
+        total_reflections += transmitted ? 0 : 1;
+
+        // Roots of small numbers are known less well: d(cos_t) = sin_t d(sin_t) / cos_t.
+        const float cos_i = -glm::dot(input.incident, input.normal);
+        const float cos_t = cpp::transmitted_cosine(cos_i, input.eta);
+        const float near_critical = cos_t > 0 ? std::max(1.0f, 1 / cos_t) : 1.0f;
+        ASSERT_NEAR(result.cos_t, cos_t, kValue * near_critical) << i;
+        if (transmitted) {
+            ASSERT_LT(largest(result.refracted - refracted), kValue * near_critical) << i;
+        }
+        ASSERT_LT(largest(result.reflected - cpp::reflected_direction(input.incident, input.normal)), kValue)
+            << i;
+        ASSERT_NEAR(result.reflectance, cpp::fresnel_reflectance(cos_i, cos_t, input.eta),
+                    kValue * near_critical)
+            << i;
+        ASSERT_NEAR(result.transmittance, cpp::fresnel_transmittance(cos_i, cos_t, input.eta),
+                    kValue * near_critical)
+            << i;
+    }
+    EXPECT_GT(total_reflections, 1000);  // the inputs do reach that branch
+}
+
+}  // namespace
+}  // namespace dapple::gpu
