@@ -16,7 +16,7 @@ struct AlbedoSource::State {
         if (path.empty()) return nullptr;
         std::unique_ptr<const image::Texture>& known = textures[{path, output.ocio_config}];
         if (!known) {
-            const color::Grader grader(output);
+            const color::Grader grader({output.ocio_config, output.display, output.view, output.look});
             known = std::make_unique<const image::Texture>(
                 image::Texture::load(path, [&](std::span<float> rgb) { grader.texture_to_linear(rgb); }));
         }
