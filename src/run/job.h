@@ -1,0 +1,34 @@
+#pragma once
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "scene/frame_state.h"
+
+namespace dapple::run {
+
+using NamedTexts = std::vector<std::pair<std::string, std::string>>;
+
+/// What a clip is made from. Frames of one job may be rendered by any number of runs, on any machine with the
+/// same type of device, and fit together.
+struct Job {
+    scene::Clip clip;
+    /// All that decides the pictures, but for the frame range and the machine: name and short text (a hash).
+    NamedTexts parts;
+    /// How it was made (versions, device, colour): for the reader of the manifest, not compared.
+    NamedTexts provenance;
+
+    std::string hash() const;
+};
+
+/// One hash of the contents of files, in their order; their paths do not count. Throws
+/// Error(input_unreadable).
+std::string hash_files(const std::vector<std::string>& paths);
+
+/// Version and content hash of the running program.
+std::string program_identity();
+
+/// Names of the parts in which two jobs differ: "the timeline, the program".
+std::string differences(const NamedTexts& a, const NamedTexts& b);
+
+}  // namespace dapple::run
