@@ -1,4 +1,5 @@
 #pragma once
+#include <cmath>
 #include <glm/glm.hpp>
 
 /// The physics that shaders and C++ share (shaders/optics/), in float (`dapple::optics::f32`, what the device
@@ -18,7 +19,9 @@ using glm::max;
 using glm::min;
 using glm::normalize;
 using glm::sqrt;
+using std::fma;
 #include "optics/refraction.h"
+#include "optics/ray_differential.h"
 #include "optics/spot_light.h"
 }  // namespace f32
 
@@ -33,7 +36,9 @@ using glm::max;
 using glm::min;
 using glm::normalize;
 using glm::sqrt;
+using std::fma;
 #include "optics/refraction.h"
+#include "optics/ray_differential.h"
 #include "optics/spot_light.h"
 }  // namespace f64
 
