@@ -14,24 +14,33 @@ struct Chain {
     Event event = Event::transmission;
 };
 
-/// Light rays just after one chain of events from one light: a grid whose vertices are rays ("photons") and whose
-/// cells are caustic beams. A ray is a point on the plane through the frame's origin perpendicular to `axis`, and
-/// a slope: point(depth) = origin + depth * slope, with dot(slope, axis) = 1, so that landing points are linear in
-/// depth. Row-major grids; a vertex that carries nothing has flux 0 and stays in its place.
+/// Light rays just after one chain of events from one light: a grid whose vertices are rays ("photons") and
+/// whose cells are caustic beams. A ray is a point on the plane through the frame's origin perpendicular to
+/// `axis`, and a slope: point(depth) = origin + depth * slope, with dot(slope, axis) = 1, so that landing
+/// points are linear in depth. Row-major grids; a vertex that carries nothing has flux 0 and stays in its
+/// place.
 struct BeamMesh {
-    std::string name;     ///< for plans and stats: "sun > water:T"
-    int light = 0;        ///< index into FrameState::lights
+    std::string name;  ///< for plans and stats: "sun > water:T"
+    int light = 0;     ///< index into FrameState::lights
     Event event = Event::transmission;
-    glm::dvec3 axis{0, -1, 0};  ///< unit, the mesh's mean direction of travel; dot(direction, axis) > 0.1 for all
+    bool from_below = false;  ///< the light is under water: T lands in the air, R in the water
+    /// Whether the rays travel through the water after the event.
+    bool in_water() const { return from_below == (event == Event::reflection); }
+    glm::dvec3 axis{0, -1,
+                    0};  ///< unit, the mesh's mean direction of travel; dot(direction, axis) > 0.1 for all
     int rows = 0;
     int columns = 0;
     std::vector<glm::vec3> origin;  ///< m, relative to FrameScene::origin
     std::vector<glm::vec3> slope;   ///< m a m of depth
     std::vector<float> start;       ///< m, depth along the axis where the ray leaves the water surface
-    /// Flux of the vertex's cell of the caustic map, after Fresnel, of a light of unit irradiance (sun: m^2) or
-    /// unit intensity (point, spot: sr); times the light's colour it is W.
+    /// Flux of the vertex's cell of the caustic map, after Fresnel, of a light of unit irradiance (sun: m^2)
+    /// or unit intensity (point, spot: sr); times the light's colour it is W.
     std::vector<float> flux;
-    /// Flux that met the water but fits no mesh (directions outside the cone about the axis), same unit as `flux`.
+    /// 1 where there is a ray; differences between neighbours mean something only between two such. Elsewhere
+    /// origin and slope are finite and flux is 0. A shadowed ray is one, of flux 0.
+    std::vector<std::uint8_t> valid;
+    /// Flux that met the water but fits no mesh (directions outside the cone about the axis), same unit as
+    /// `flux`.
     double lost_flux = 0;
     std::size_t vertices() const { return origin.size(); }
 };

@@ -11,17 +11,17 @@
 
 namespace dapple::light {
 
-/// The light-view raster of the water (Kougianos & Moustakas 2021, section 3: caustic map) and the beam meshes made
-/// from it on the device. Map coordinates are the rest plane y = 0, onto which the light projects the water (in
-/// parallel for a sun, centrally for point and spot lights), so that texels stay in place while waves and light move
-/// and flat water fills whole texels exactly.
+/// The light-view raster of the water (Kougianos & Moustakas 2021, section 3: caustic map) and the beam
+/// meshes made from it on the device. Map coordinates are the rest plane y = 0, onto which the light projects
+/// the water (in parallel for a sun, centrally for point and spot lights), so that texels stay in place while
+/// waves and light move and flat water fills whole texels exactly.
 class CausticMapper {
 public:
     explicit CausticMapper(gpu::Device& device);
     ~CausticMapper();
 
-    /// Beam meshes of one light for the events asked for. `resolution`: texels along the longer side of the water's
-    /// extent. Rays that an object shadows on their way from the light to the water have flux 0.
+    /// Beam meshes of one light for the events asked for. `resolution`: texels along the longer side of the
+    /// water's extent. Rays that an object shadows on their way from the light to the water have flux 0.
     std::vector<BeamMesh> trace(const scene::FrameScene& scene, const rays::RayScene& rays, int light,
                                 const std::vector<Event>& events, int resolution, FrameStats& stats);
 

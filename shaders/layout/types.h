@@ -1,0 +1,19 @@
+// What lets the structs of this folder be GLSL and C++: float only, scalar block layout on the device, a unit and a
+// space on every field. C++ sees them in dapple::layout; sizes are asserted where the host fills them.
+#ifdef __cplusplus
+#pragma once
+#include <cstdint>
+#include <glm/glm.hpp>
+namespace dapple::layout {
+using glm::mat4;
+using glm::vec2;
+using glm::vec3;
+using glm::vec4;
+using uint = std::uint32_t;
+}  // namespace dapple::layout
+#define LAYOUT_BEGIN namespace dapple::layout {
+#define LAYOUT_END }
+#else
+#define LAYOUT_BEGIN
+#define LAYOUT_END
+#endif

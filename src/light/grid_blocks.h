@@ -1,0 +1,34 @@
+#pragma once
+#include <algorithm>
+#include <cstddef>
+
+namespace dapple::light {
+
+/// Order of visiting a grid that keeps rays coherent: bands of eight rows, cut into blocks of 8 x 8, each as
+/// 4 x 2 groups of a packet's eight rays. A band is a tile of the parallel loop.
+class GridBlocks {
+public:
+    GridBlocks(int rows, int columns)
+        : rows_(static_cast<std::size_t>(rows)), columns_(static_cast<std::size_t>(columns)) {}
+    std::size_t bands() const { return (rows_ + kSide - 1) / kSide; }
+    std::size_t band_size() const { return kSide * columns_; }  ///< vertices, at most
+
+    /// `visit(index)` for each vertex of the band.
+    template <class Visit>
+    void visit_band(std::size_t band, Visit&& visit) const {
+        const std::size_t top = band * kSide, bottom = std::min(rows_, top + kSide);
+        for (std::size_t left = 0; left < columns_; left += kSide)
+            for (std::size_t row = top; row < bottom; row += 2)
+                for (std::size_t column = left; column < std::min(columns_, left + kSide); column += 4)
+                    for (std::size_t r = row; r < std::min(bottom, row + 2); ++r)
+                        for (std::size_t c = column; c < std::min(columns_, column + 4); ++c)
+                            visit(r * columns_ + c);
+    }
+
+private:
+    static constexpr std::size_t kSide = 8;
+    std::size_t rows_;
+    std::size_t columns_;
+};
+
+}  // namespace dapple::light

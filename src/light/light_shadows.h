@@ -1,0 +1,20 @@
+#pragma once
+#include <cstddef>
+#include <span>
+
+#include "light/beam_mesh.h"
+#include "rays/ray_scene.h"
+#include "scene/frame_scene.h"
+
+namespace dapple::light {
+
+/// Whether an object can stand between the light and the water at all, from bounding boxes.
+bool may_shadow(const scene::FrameScene& scene, const rays::RayScene& rays, const scene::Light& light);
+
+/// Sets the flux of rays to 0 whose point on the water an object hides from the light; `meshes` are those of
+/// one light and one map. The water is not among the objects, so the rays need no offset. Returns the number
+/// of points.
+std::size_t shadow_meshes(std::span<BeamMesh> meshes, const scene::FrameScene& scene,
+                          const rays::RayScene& rays);
+
+}  // namespace dapple::light
