@@ -60,6 +60,20 @@ TEST_F(Compute, PassesRunInOrderAndSeeEarlierResults) {
     }
 }
 
+TEST_F(Compute, WritesWaitForEarlierReads) {
+    Buffer a(device, "a", kCount * 4);
+    Buffer b(device, "b", kCount * 4);
+    for (std::uint32_t i = 0; i < kCount; ++i) a.as<std::uint32_t>()[i] = 11 * i;
+    PassList passes(device);
+    passes.compute("add", add, adding(a, b), kGroups);
+    passes.compute("write", write, writing(a, 7), kGroups);  // without order, b might see it
+    passes.run(stats);
+    for (std::uint32_t i = 0; i < kCount; ++i) {
+        ASSERT_EQ(a.as<std::uint32_t>()[i], 7 * i);
+        ASSERT_EQ(b.as<std::uint32_t>()[i], 11 * i + 1);
+    }
+}
+
 TEST_F(Compute, ReadsWhatTheHostAndEarlierListsWrote) {
     Buffer a(device, "a", kCount * 4);
     Buffer b(device, "b", kCount * 4);
