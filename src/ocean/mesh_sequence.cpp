@@ -76,6 +76,7 @@ scene::WaterMesh sequence_mesh(const scene::MeshSequence& sequence, double time)
             ExitCode::input_unreadable,
             clipped(path) + ": the mesh faces neither up nor down; a water surface is one open sheet");
     }
+    for (const glm::dvec3& normal : water.mesh.normals) water.folded_vertices += normal.y > 0 ? 0 : 1;
     // Known of this file only. Its displacement is part of the positions: there is no grid that it is off.
     water.height_bound = water.largest_height;
     return water;

@@ -29,7 +29,7 @@ struct WaterMesh {
     /// spectrum, whose bounds are sums of all amplitudes: what covers one frame is sized by these.
     double largest_height = 0;
     double largest_displacement = 0;
-    /// Vertices at which a choppy surface has folded over itself (0 or negative Jacobian of the horizontal map).
+    /// Vertices at which a choppy or read surface has folded over itself: their normals do not point up.
     std::size_t folded_vertices = 0;
     /// Shortest wave that the surface was asked for and the cells a shortest wave that the mesh has; 0: unknown.
     double shortest_wave = 0;
