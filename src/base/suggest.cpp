@@ -52,7 +52,7 @@ std::string_view nearest(std::string_view word, const std::vector<std::string_vi
     return best;
 }
 
-std::string quoted(std::string_view word) {
+std::string in_quotes(std::string_view word) {
     std::string text = "'";
     return text.append(word).append("'");
 }
@@ -66,7 +66,7 @@ std::string joined(const std::vector<std::string_view>& words) {
 std::string suggestion(std::string_view word, const std::vector<std::string_view>& candidates,
                        std::string_view lead) {
     const std::string_view near = nearest(word, candidates);
-    if (!near.empty()) return std::string("; did you mean ").append(quoted(near)).append("?");
+    if (!near.empty()) return std::string("; did you mean ").append(in_quotes(near)).append("?");
     return std::string("; ").append(lead).append(" ").append(joined(candidates));
 }
 

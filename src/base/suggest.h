@@ -15,7 +15,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b);
 std::string_view nearest(std::string_view word, const std::vector<std::string_view>& candidates);
 
 /// "'word'".
-std::string quoted(std::string_view word);
+std::string in_quotes(std::string_view word);
 
 /// "a, b, c".
 std::string joined(const std::vector<std::string_view>& words);

@@ -163,7 +163,7 @@ Decimal split_decimal(std::string_view text) {
 
 /// What is wrong with how the digits are written; empty: nothing.
 std::string notation_fault(std::string_view text, const Decimal& number) {
-    const std::string shown = quoted(text);
+    const std::string shown = in_quotes(text);
     const std::string_view digits =
         std::string_view(number.mantissa).substr(number.mantissa.front() == '-' ? 1 : 0);
     const std::string_view rest = number.rest;
@@ -191,7 +191,7 @@ bool is_not_finite_word(std::string_view text) {
 
 std::string expected(Dimension dimension) {
     const DimensionText text = text_of(dimension);
-    return std::string("expected ").append(text.name).append(" such as ").append(quoted(text.example));
+    return std::string("expected ").append(text.name).append(" such as ").append(in_quotes(text.example));
 }
 
 }  // namespace
@@ -222,7 +222,7 @@ std::string format_quantity(double si_value, Dimension dimension) {
 Quantity parse_quantity(std::string_view text, Dimension dimension) {
     Quantity quantity;
     const std::string_view trimmed_text = trimmed(text);
-    const std::string shown = quoted(trimmed_text);
+    const std::string shown = in_quotes(trimmed_text);
     const Decimal number = split_decimal(trimmed_text);
     if (!number.found) {
         quantity.error = is_not_finite_word(trimmed_text) ? shown + ": a number must be finite"
@@ -240,7 +240,7 @@ Quantity parse_quantity(std::string_view text, Dimension dimension) {
                                   [&](const Unit& u) { return same_symbol(u) && u.dimension == dimension; });
         if (found == kUnits.end()) found = std::find_if(kUnits.begin(), kUnits.end(), same_symbol);
         if (found == kUnits.end()) {
-            quantity.error = "unknown unit " + quoted(symbol) +
+            quantity.error = "unknown unit " + in_quotes(symbol) +
                              suggestion(symbol, unit_symbols(dimension),
                                         std::string(dimension_name(dimension)) + " takes:");
             return quantity;
@@ -264,7 +264,7 @@ Quantity parse_quantity(std::string_view text, Dimension dimension) {
 Integer parse_integer(std::string_view text) {
     Integer integer;
     const std::string_view trimmed_text = trimmed(text);
-    const std::string shown = quoted(trimmed_text);
+    const std::string shown = in_quotes(trimmed_text);
     const Decimal number = split_decimal(trimmed_text);
     if (number.found) integer.error = notation_fault(trimmed_text, number);
     if (!integer.error.empty()) return integer;

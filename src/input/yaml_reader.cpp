@@ -193,7 +193,7 @@ private:
         node.place = node.key_place = lines_.place(mark);
         if (!tag.empty() && tag != "?" && tag != "!")
             fault(node.place, path(),
-                  "tags such as " + quoted(clipped(tag)) + " are not used; write the value alone");
+                  "tags such as " + in_quotes(clipped(tag)) + " are not used; write the value alone");
         return node;
     }
 
@@ -300,6 +300,7 @@ YamlDocument read_yaml(std::string_view text, int text_index) {
         document.faults.push_back({document.root.place, "",
                                    "the text is larger than " + std::to_string(kMaxYamlBytes >> 20U) +
                                        " MiB; write bulk data to a file of its own"});
+        document.broken_off = true;
         return document;
     }
     if (text.substr(0, 3) == "\xEF\xBB\xBF") text.remove_prefix(3);  // a byte order mark
@@ -307,14 +308,17 @@ YamlDocument read_yaml(std::string_view text, int text_index) {
     const LineTable lines(text, text_index);
     if (auto fault = check_characters(text, lines)) {
         document.faults.push_back(std::move(*fault));
+        document.broken_off = true;
         return document;
     }
     TreeBuilder builder(lines, document);
+    document.broken_off = true;
     try {
         std::istringstream stream{std::string(text)};
         YAML::Parser parser(stream);
         while (parser.HandleNextDocument(builder)) {
         }
+        document.broken_off = false;
     } catch (const FatalFault& fatal) {
         document.faults.push_back(fatal.fault);
     } catch (const YAML::Exception& error) {

@@ -22,6 +22,7 @@ struct YamlFault {
 struct YamlDocument {
     LocatedNode root;
     std::vector<YamlFault> faults;
+    bool broken_off = false;  ///< the last fault ended the reading; the tree is not whole
 };
 
 /// Reads one YAML document. yaml-cpp serves as the tokenizer only, because it accepts much that a person

@@ -1,0 +1,102 @@
+#include "timeline/checks.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <string>
+
+#include "timeline/key_path.h"
+
+namespace dapple::timeline {
+namespace {
+
+constexpr std::int64_t kMostSamples = 4096;
+constexpr double kShortest = 1e-9;  // m; points nearer than that are one
+constexpr double kParallel = 1e-6;  // sine of the angle below which directions are parallel
+
+class Checker {
+public:
+    Checker(const Program& program, const input::LocatedNode& root, FaultList& faults)
+        : program_(program), root_(root), faults_(faults) {}
+
+    void check(const scene::FrameState& state) {
+        frame_ = state.frame;
+        check_camera(state.camera);
+        for (std::size_t i = 0; i < state.lights.size(); ++i) check_light(state.lights[i], join("lights", i));
+        for (std::size_t i = 0; i < state.objects.size(); ++i)
+            check_object(state.objects[i], join("objects", i));
+        if (state.water) check_surface(state.water->surface);
+    }
+
+private:
+    void check_camera(const scene::Camera& camera) {
+        const glm::dvec3 view = camera.target - camera.position;
+        const double distance = glm::length(view);
+        const double up = glm::length(camera.up);
+        if (distance < kShortest)
+            fault("camera.target", "the camera looks at the point where it stands; move position or target");
+        else if (up == 0)
+            fault("camera.up", "the vector has no length");
+        else if (glm::length(glm::cross(view, camera.up)) < kParallel * distance * up)
+            fault("camera.up", "is parallel to the line of sight; for a view straight down take [0, 0, -1]");
+    }
+
+    void check_light(const scene::Light& light, const std::string& path) {
+        if (light.type == scene::LightType::point) return;
+        const bool by_target = program_.given.count(join(path, "target")) > 0;
+        if (glm::length(light.direction) == 0)
+            fault(join(path, by_target ? "target" : "direction"),
+                  by_target ? "the spot points at the place where it stands" : "the vector has no length");
+        else if (light.type == scene::LightType::sun && !(light.direction.y < 0))
+            fault(join(path, "direction"), "a sun shines downwards: the second number, y, must be below 0");
+        if (light.type == scene::LightType::spot && light.falloff_angle > light.cone_angle)
+            fault(join(path, "falloff_angle"),
+                  "the soft edge is wider than the cone; take at most cone_angle");
+    }
+
+    void check_object(const scene::Object& object, const std::string& path) {
+        const glm::dvec3& scale = object.transform.scale;
+        if (object.shape == scene::Shape::sphere && (scale.x != scale.y || scale.x != scale.z))
+            fault(join(path, "scale"), "a sphere stays a sphere; give one number");
+    }
+
+    void check_surface(const scene::WaterSurface& surface) {
+        const std::string path = "water.surface";
+        const auto& waves = surface.waves.waves;
+        for (std::size_t i = 0; i < waves.size(); ++i) {
+            const std::string vector_path = join(join(path + ".waves", i), "wave_vector");
+            if (program_.given.count(vector_path) > 0 && glm::length(waves[i].wave_vector) == 0)
+                fault(vector_path, "the vector has no length");
+        }
+        const scene::MeshSequence& meshes = surface.mesh_sequence;
+        if (surface.type == scene::WaterSurfaceType::mesh_sequence && meshes.last_file < meshes.first_file)
+            fault(path + ".last_file", "comes before first_file, " + std::to_string(meshes.first_file));
+    }
+
+    /// One fault a key: the first frame that shows it.
+    void fault(const std::string& path, const std::string& message) {
+        if (!reported_.insert(path).second) return;
+        const std::string where = program_.tracks.empty() ? "" : " (frame " + std::to_string(frame_) + ")";
+        faults_.add(nearest_node(root_, path).place, path, message + where);
+    }
+
+    const Program& program_;
+    const input::LocatedNode& root_;
+    FaultList& faults_;
+    std::set<std::string> reported_;
+    std::int64_t frame_ = 0;
+};
+
+}  // namespace
+
+void check_program(const Program& program, const input::LocatedNode& root, FaultList& faults) {
+    Checker checker(program, root, faults);
+    const scene::Clip& clip = program.base.clip;
+    const std::int64_t frames = program.tracks.empty() ? 1 : clip.last_frame - clip.first_frame + 1;
+    const std::int64_t samples = std::min(frames, kMostSamples);
+    for (std::int64_t i = 0; i < samples; ++i)
+        checker.check(
+            evaluate(program, clip.first_frame + (samples > 1 ? i * (frames - 1) / (samples - 1) : 0)));
+}
+
+}  // namespace dapple::timeline
