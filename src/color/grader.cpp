@@ -19,14 +19,14 @@ constexpr std::size_t kTilePixels = 4096;
     throw Error(ExitCode::input_unreadable, "OCIO config " + source + ": " + clipped(error.what()));
 }
 
-OCIO::ConstTransformRcPtr exposure_transform(double stops) {
+OCIO::TransformRcPtr exposure_transform(double stops) {
     const auto transform = OCIO::ExposureContrastTransform::Create();
     transform->setStyle(OCIO::EXPOSURE_CONTRAST_LINEAR);
     transform->setExposure(stops);
     return transform;
 }
 
-OCIO::ConstTransformRcPtr cdl_transform(const Cdl& cdl) {
+OCIO::TransformRcPtr cdl_transform(const Cdl& cdl) {
     const auto transform = OCIO::CDLTransform::Create();
     transform->setStyle(OCIO::CDL_NO_CLAMP);
     transform->setSlope(&cdl.slope.x);
@@ -36,31 +36,48 @@ OCIO::ConstTransformRcPtr cdl_transform(const Cdl& cdl) {
     return transform;
 }
 
-/// Steps that change nothing are left out: they would round.
+OCIO::TransformRcPtr conversion(const char* from, const char* to) {
+    const auto transform = OCIO::ColorSpaceTransform::Create();
+    transform->setSrc(from);
+    transform->setDst(to);
+    return transform;
+}
+
+OCIO::TransformRcPtr look_transform(const std::string& look) {
+    const auto transform = OCIO::LookTransform::Create();
+    transform->setSrc(OCIO::ROLE_SCENE_LINEAR);
+    transform->setDst(OCIO::ROLE_SCENE_LINEAR);
+    transform->setLooks(look.c_str());
+    return transform;
+}
+
+/// Steps that change nothing are left out: they would round. OCIO's own viewing pipeline is not used, since
+/// for a view of data ("Raw") it applies a CDL to linear light.
 OCIO::ConstProcessorRcPtr make_processor(const LoadedConfig& loaded, const ViewDescription& description,
                                          const Grade& grade) {
-    const auto display_view = OCIO::DisplayViewTransform::Create();
-    display_view->setSrc(OCIO::ROLE_SCENE_LINEAR);
-    display_view->setDisplay(description.display.c_str());
-    display_view->setView(description.view.c_str());
-
-    const auto pipeline = OCIO::LegacyViewingPipeline::Create();
-    pipeline->setDisplayViewTransform(display_view);
-    if (grade.exposure != 0) pipeline->setLinearCC(exposure_transform(grade.exposure));
+    const auto steps = OCIO::GroupTransform::Create();
+    if (grade.exposure != 0) steps->appendTransform(exposure_transform(grade.exposure));
     if (grade.cdl != Cdl{}) {
         if (!loaded.config->hasRole(OCIO::ROLE_COLOR_TIMING)) {
             throw Error(
                 ExitCode::input_unreadable,
                 "OCIO config " + loaded.source + ": has no role color_timing, in which a CDL is applied");
         }
-        pipeline->setColorTimingCC(cdl_transform(grade.cdl));
+        steps->appendTransform(conversion(OCIO::ROLE_SCENE_LINEAR, OCIO::ROLE_COLOR_TIMING));
+        steps->appendTransform(cdl_transform(grade.cdl));
+        steps->appendTransform(conversion(OCIO::ROLE_COLOR_TIMING, OCIO::ROLE_SCENE_LINEAR));
     }
+    const auto display_view = OCIO::DisplayViewTransform::Create();
+    display_view->setSrc(OCIO::ROLE_SCENE_LINEAR);
+    display_view->setDisplay(description.display.c_str());
+    display_view->setView(description.view.c_str());
     if (!description.look.empty()) {
-        pipeline->setLooksOverrideEnabled(true);
-        pipeline->setLooksOverride(description.look.c_str());
+        steps->appendTransform(look_transform(description.look));
+        display_view->setLooksBypass(true);
     }
+    steps->appendTransform(display_view);
     try {
-        return pipeline->getProcessor(loaded.config);
+        return loaded.config->getProcessor(steps);
     } catch (const OCIO::Exception& error) {
         refuse(loaded.source, error);
     }
