@@ -11,6 +11,7 @@
 #include <ImfStandardAttributes.h>
 #include <ImfStringAttribute.h>
 #include <ImfThreading.h>
+#include <OpenEXRConfig.h>
 #include <half.h>
 
 #include <algorithm>
@@ -236,6 +237,8 @@ bool same_pixels(const Image& image, const std::vector<StoredChannel>& stored, c
 }
 
 }  // namespace
+
+std::string openexr_version() { return OPENEXR_VERSION_STRING; }
 
 void set_exr_threads(int threads) {
     // OpenEXR counts helpers beside the caller; one helper gains nothing over none.

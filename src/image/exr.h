@@ -14,6 +14,9 @@
 /// damage. The bytes are a pure function of image and options (no dates, any number of threads).
 namespace dapple::image {
 
+/// Of the library: "3.1.5".
+std::string openexr_version();
+
 /// CIE 1931 x, y of the primaries and of white.
 struct Chromaticities {
     glm::vec2 red, green, blue, white;

@@ -111,6 +111,14 @@ void intersect(RTCScene scene, std::span<const Ray> rays, std::span<Hit> hits) {
 
 }  // namespace
 
+std::string embree_version() {
+    RTCDevice device = rtcNewDevice("isa=avx2");
+    const auto number = rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_VERSION);  // 31305 is 3.13.5
+    rtcReleaseDevice(device);
+    return std::to_string(number / 10000) + "." + std::to_string(number / 100 % 100) + "." +
+           std::to_string(number % 100);
+}
+
 struct RayScene::State {
     ErrorLog log;  // outlives the device, which reports to it
     Owned<RTCDevice> device;

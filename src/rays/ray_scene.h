@@ -4,6 +4,7 @@
 #include <limits>
 #include <memory>
 #include <span>
+#include <string>
 
 #include "scene/frame_scene.h"
 
@@ -17,6 +18,9 @@ struct Ray {
     glm::vec3 direction;
     float far = std::numeric_limits<float>::infinity();
 };
+
+/// Of the library in use: "3.13.5".
+std::string embree_version();
 
 constexpr std::uint32_t kNoHit = 0xffffffffu;
 

@@ -1,8 +1,14 @@
 #include "run/job.h"
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
 
 #include "base/checked_file.h"
+#include "base/error.h"
 #include "base/hash.h"
 
 namespace dapple::run {
@@ -11,6 +17,26 @@ std::string Job::hash() const {
     std::string text;
     for (const auto& [name, value] : parts) text += name + '\0' + value + '\0';
     return content_hash(text);
+}
+
+void check_readable(const std::vector<std::string>& paths) {
+    std::string first;
+    std::size_t others = 0;
+    for (const std::string& path : paths) {
+        std::error_code reason;
+        const bool regular = std::filesystem::is_regular_file(path, reason);
+        if (regular && ::access(path.c_str(), R_OK) == 0) continue;
+        if (!first.empty()) {
+            ++others;
+        } else if (regular) {
+            first = path + ": cannot be read: " + std::strerror(errno);
+        } else {
+            first = path + ": cannot be read: " + (reason ? reason.message() : "it is no regular file");
+        }
+    }
+    if (first.empty()) return;
+    if (others > 0) first += " (and " + std::to_string(others) + " more input files)";
+    throw Error(ExitCode::input_unreadable, first);
 }
 
 std::string hash_files(const std::vector<std::string>& paths) {

@@ -21,6 +21,9 @@ struct Job {
     std::string hash() const;
 };
 
+/// Throws Error(input_unreadable) that names a file that cannot be opened, and how many others cannot.
+void check_readable(const std::vector<std::string>& paths);
+
 /// One hash of the contents of files, in their order; their paths do not count. Throws
 /// Error(input_unreadable).
 std::string hash_files(const std::vector<std::string>& paths);

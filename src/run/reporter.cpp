@@ -113,6 +113,11 @@ void Reporter::run_ended(int exit_code, const std::string& summary) {
     line(summary);
 }
 
+void Reporter::run_failed(int exit_code, const std::string& message) {
+    event("run_failed", members({{"exit_code", exit_code}, {"message", message}}));
+    line("");
+}
+
 double Reporter::seconds() const {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
 }

@@ -28,6 +28,8 @@ public:
     void note(const std::string& message);
     /// The last line: what was done, in how long.
     void run_ended(int exit_code, const std::string& summary);
+    /// For the event log only: the caller prints its error.
+    void run_failed(int exit_code, const std::string& message);
 
     std::size_t rendered() const { return rendered_; }
     std::size_t kept() const { return kept_; }
