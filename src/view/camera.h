@@ -5,28 +5,28 @@
 
 namespace dapple::view {
 
-/// A camera of one frame, in double. Pixel coordinates: x to the right, y down, (0, 0) the top left corner of the
-/// picture, pixel centres at + 0.5. Camera space: x right, y up, looking along -z.
+/// A camera of one frame, in double. Pixel coordinates: x to the right, y down, (0, 0) the top left corner of
+/// the picture, pixel centres at + 0.5. Camera space: x right, y up, looking along -z.
 class Camera {
 public:
     Camera(const scene::Camera& camera, int width, int height);
 
-    /// World-space ray through a point of the picture; `direction` is unit. An orthographic ray starts on the plane
-    /// of the camera's position.
+    /// World-space ray through a point of the picture; `direction` is unit. An orthographic ray starts on the
+    /// plane of the camera's position.
     void ray(glm::dvec2 pixel, glm::dvec3& origin, glm::dvec3& direction) const;
     /// d(origin)/d(pixel) and d(direction)/d(pixel) of that ray, of the unit direction.
-    void ray_differentials(glm::dvec2 pixel, glm::dvec3& origin_du, glm::dvec3& origin_dv, glm::dvec3& direction_du,
-                           glm::dvec3& direction_dv) const;
-    /// Picture coordinates (x, y) [pixels] of a world point and its depth along the axis [m] (z). Perspective: z > 0
-    /// is in front; for z <= 0 x and y mean nothing.
+    void ray_differentials(glm::dvec2 pixel, glm::dvec3& origin_du, glm::dvec3& origin_dv,
+                           glm::dvec3& direction_du, glm::dvec3& direction_dv) const;
+    /// Picture coordinates (x, y) [pixels] of a world point and its depth along the axis [m] (z).
+    /// Perspective: z > 0 is in front; for z <= 0 x and y mean nothing.
     glm::dvec3 project(glm::dvec3 world) const;
-    /// Homogeneous pixel coordinates from world: (x, y, depth, w) with pixel = (x, y) / w. For the device, multiply
-    /// from the right by a translation by FrameScene::origin.
+    /// Homogeneous pixel coordinates from world: (x, y, depth, w) with pixel = (x, y) / w. For the device,
+    /// multiply from the right by a translation by FrameScene::origin.
     glm::dmat4 pixel_from_world() const;
     glm::dmat4 camera_from_world() const;
     glm::dvec3 forward() const;
-    /// Offset of sample s of n inside the pixel, in [0, 1)^2, fixed for all pixels and frames; the first of one is
-    /// the centre.
+    /// Offset of sample s of n inside the pixel, in [0, 1)^2, fixed for all pixels and frames; the first of
+    /// one is the centre.
     static glm::dvec2 sample_offset(int sample, int samples);
 
 private:

@@ -7,24 +7,39 @@
 
 namespace dapple::view {
 
-/// Whether the camera is under water in this frame.
+/// Specular events after which a path is given up and counted.
+constexpr int kLongestChain = 8;
+
+/// Whether the camera is under water in this frame: below the first crossing of the water mesh above it;
+/// where the mesh does not cover it, below the rest plane of open water.
 bool camera_in_water(const scene::FrameScene& scene);
 
 /// Follows one camera path a pixel through water and mirrors to its receiver (at most kLongestChain specular
-/// events). `branch` 0 takes, at the first Fresnel split, the refracted ray (weight T), 1 the reflected ray (weight
-/// F); pixels that do not split are in branch 0 only (in branch 1 their flags are 0 and their throughput 0). At total
-/// reflection the whole weight goes with branch 0. Later splits follow the stronger side with weight 1 - loss and
-/// what is dropped is counted. The sample is Camera::sample_offset(sample, samples).
+/// events). `branch` 0 takes, at the first Fresnel split, the refracted ray (weight T), 1 the reflected ray
+/// (weight F); pixels that do not split are in branch 0 only (in branch 1 their flags are 0 and their
+/// throughput 0). At total reflection the whole weight goes with branch 0. Later splits follow the stronger
+/// side with weight 1 - loss and what is dropped is counted. The sample is Camera::sample_offset(sample,
+/// samples).
+///
+/// Throughput carries, from the pixel outwards, Fresnel's share, (n_from / n_to)^2 at each crossing (radiance
+/// scales by n^2), exp(-absorption d) on each way in water and the colour of each mirror. Open water goes on
+/// outside its rectangle as the flat plane y = 0. Paths that leave the scene in the air see the environment;
+/// those that leave it in the water, or meet more than kLongestChain events, end black (flags and throughput
+/// 0). Footprints are carried through refraction, reflection and the curvature of the interpolated normals
+/// (Igehy 1999); they are cut at 64 times the width of the beam, and at the length of the path (and 64 pixels
+/// of an orthographic picture).
 struct LayerRequest {
     int sample = 0;
     int branch = 0;
 };
 struct LayerCounts {
-    std::size_t split_pixels = 0;     ///< pixels whose path splits: branch 1 is worth tracing where this is > 0
-    std::size_t dropped_splits = 0;   ///< later splits of which only the stronger side was followed
-    double dropped_weight = 0;        ///< sum of the throughput so dropped (mean over channels)
+    std::size_t split_pixels = 0;  ///< pixels whose path splits: branch 1 is worth tracing where this is > 0
+    std::size_t dropped_splits = 0;  ///< later splits of which only the stronger side was followed
+    double dropped_weight = 0;       ///< sum of the throughput so dropped (mean over channels)
     std::size_t longest_chain_hits = 0;
 };
+
+/// The result has the same bits on any number of threads. `counts` are those of this layer.
 ReceiverLayer trace_layer(const scene::FrameScene& scene, const rays::RayScene& rays, LayerRequest request,
                           LayerCounts& counts);
 

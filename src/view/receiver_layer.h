@@ -14,25 +14,27 @@ enum ReceiverFlags : std::uint32_t {
     kFootprintCapped = 1u << 4,  ///< grazing view: the footprint was cut to a longest length
 };
 
-/// One camera path a pixel, at one sub-pixel offset (`sample`) and one choice at its Fresnel splits (`branch`):
-/// always an image, row-major from the top left, width * height entries an array.
-/// Positions are m, relative to FrameScene::origin.
+/// One camera path a pixel, at one sub-pixel offset (`sample`) and one choice at its Fresnel splits
+/// (`branch`): always an image, row-major from the top left, width * height entries an array. Positions are
+/// m, relative to FrameScene::origin.
 struct ReceiverLayer {
     int width = 0;
     int height = 0;
     int sample = 0;
     int branch = 0;
-    std::vector<std::uint32_t> flags;     ///< ReceiverFlags
-    std::vector<std::uint32_t> object;    ///< index into FrameState::objects
+    std::vector<std::uint32_t> flags;   ///< ReceiverFlags
+    std::vector<std::uint32_t> object;  ///< index into FrameState::objects
     std::vector<glm::vec3> position;
-    std::vector<glm::vec3> footprint_u;   ///< d(position)/d(pixel x) on the tangent plane, through the whole chain
-    std::vector<glm::vec3> footprint_v;   ///< the same for a pixel down
+    std::vector<glm::vec3>
+        footprint_u;  ///< d(position)/d(pixel x) on the tangent plane, through the whole chain
+    std::vector<glm::vec3> footprint_v;       ///< the same for a pixel down
     std::vector<glm::vec3> geometric_normal;  ///< unit, towards the side that the path arrives from
     std::vector<glm::vec3> shading_normal;    ///< unit, same side
-    std::vector<glm::vec3> throughput;    ///< of the path from the pixel to its end: Fresnel, mirrors, absorption, n^2
-    std::vector<glm::vec2> uv;            ///< of the object's texture
-    std::vector<float> uv_width;          ///< extent of the footprint in uv
-    std::vector<float> depth;             ///< m along the camera's axis to the first surface hit; infinite: none
+    std::vector<glm::vec3>
+        throughput;             ///< of the path from the pixel to its end: Fresnel, mirrors, absorption, n^2
+    std::vector<glm::vec2> uv;  ///< of the object's texture
+    std::vector<float> uv_width;  ///< extent of the footprint in uv
+    std::vector<float> depth;     ///< m along the camera's axis to the first surface hit; infinite: none
     std::size_t pixels() const { return static_cast<std::size_t>(width) * static_cast<std::size_t>(height); }
 };
 
