@@ -1,6 +1,8 @@
 // Structs of the light-view raster (light/caustic_map.vert) and of the beam rays (light/beam_rays.comp).
 // Map coordinates are metres on the rest plane y = 0, (x, z), relative to the frame's origin. The light projects a
 // water point (x, height, z) onto ((x, z) - shear * height) / (1 - inverse_height * height).
+#ifndef DAPPLE_LAYOUT_CAUSTIC_MAP
+#define DAPPLE_LAYOUT_CAUSTIC_MAP
 #include "layout/types.h"
 LAYOUT_BEGIN
 
@@ -41,3 +43,4 @@ struct BeamRay {
 };
 
 LAYOUT_END
+#endif

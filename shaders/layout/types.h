@@ -1,7 +1,8 @@
 // What lets the structs of this folder be GLSL and C++: float only, scalar block layout on the device, a unit and a
 // space on every field. C++ sees them in dapple::layout; sizes are asserted where the host fills them.
+#ifndef DAPPLE_LAYOUT_TYPES
+#define DAPPLE_LAYOUT_TYPES
 #ifdef __cplusplus
-#pragma once
 #include <cstdint>
 #include <glm/glm.hpp>
 namespace dapple::layout {
@@ -16,4 +17,5 @@ using uint = std::uint32_t;
 #else
 #define LAYOUT_BEGIN
 #define LAYOUT_END
+#endif
 #endif

@@ -25,8 +25,8 @@ struct Support {
 
 /// E for one receiver layer, width * height entries.
 struct LayerResult {
-    std::vector<glm::vec3> irradiance;   ///< W/m^2; 0 where not covered
-    std::vector<std::uint8_t> covered;   ///< 1 where the method answers for this receiver
+    std::vector<glm::vec3> irradiance;  ///< W/m^2; 0 where not covered
+    std::vector<std::uint8_t> covered;  ///< 1 where the method answers for this receiver
 };
 
 /// What a method may use of the frame. All references outlive the frame.
@@ -46,8 +46,8 @@ public:
     virtual ~CausticMethod() = default;
     /// What it does for the scene, from the state alone: nothing has been built when the plan is made.
     virtual Support supports_surface(const scene::FrameState& state) const = 0;
-    /// Whether it covers receivers that the camera sees through or by a specular surface; layers without any other
-    /// receiver are not handed to a method that does not.
+    /// Whether it covers receivers that the camera sees through or by a specular surface; layers without any
+    /// other receiver are not handed to a method that does not.
     virtual bool serves_behind_specular() const { return false; }
     /// Memory that it needs beside the scene, in bytes.
     virtual std::size_t bytes(const scene::FrameState& state, std::size_t pixels) const = 0;
@@ -57,8 +57,5 @@ public:
     virtual void irradiance(FrameContext& context, std::span<const view::ReceiverLayer> layers,
                             std::span<LayerResult> results) = 0;
 };
-
-/// The method of that name (scene::Caustics::method); throws Error(timeline_invalid) where there is none.
-std::unique_ptr<CausticMethod> make_method(const std::string& name);
 
 }  // namespace dapple::methods

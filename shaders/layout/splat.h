@@ -1,0 +1,27 @@
+// One photon's splat, written by the host and read by photon_splatting/splat*.vert. Positions and vectors are
+// relative to the frame's origin.
+#ifndef DAPPLE_LAYOUT_SPLAT
+#define DAPPLE_LAYOUT_SPLAT
+#include "layout/types.h"
+LAYOUT_BEGIN
+
+struct Splat {
+    vec3 position;    // m, where the beam lands
+    float tolerance;  // m, receivers farther off the tangent plane are not lit
+    vec3 axis_a;      // 1/m: dot(axis_a, x - position) is the kernel's first coordinate, in [-1, 1] on its support;
+    float box_a;      //      perpendicular to the beam. Half-width of the box that widens the tent, in [0, 1)
+    vec3 axis_b;      // 1/m, the second coordinate
+    float box_b;
+    vec3 irradiance;  // W/m^2 for a kernel value of 1
+    float in_water;   // 1: lights receivers in the water, 0: in the air
+    vec3 normal;      // unit, of the tangent plane, towards the side that the light arrives from
+    vec2 center;      // pixels, middle of the box that the splat covers
+    vec2 half_size;   // pixels
+};
+
+struct SplatPush {
+    vec2 picture;  // pixels, width and height
+};
+
+LAYOUT_END
+#endif

@@ -1,0 +1,6 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#define LAYERS 1
+#include "photon_splatting/splat_fragment.glsl"
+
+void main() { targets[0] = lit(receivers_0); }

@@ -1,0 +1,56 @@
+// Evaluates a splat's kernel at the receiver of the pixel, for LAYERS layers at once. `precise`, so that a layer has
+// the same bits in any batch.
+layout(location = 0) flat in vec4 position_tolerance;
+layout(location = 1) flat in vec4 axis_a;
+layout(location = 2) flat in vec4 axis_b;
+layout(location = 3) flat in vec4 irradiance;
+layout(location = 4) flat in vec3 normal;
+layout(location = 5) flat in vec3 facing;
+layout(location = 0) out vec4 targets[LAYERS];
+// Receiver's position, m, relative to the frame's origin, and a code: 0 for none, else bit 31 the medium, bits 14 to
+// 27 and 0 to 13 the octahedral normal (splat_renderer.cpp writes it).
+layout(binding = 1) uniform sampler2D receivers_0;
+#if LAYERS == 4
+layout(binding = 2) uniform sampler2D receivers_1;
+layout(binding = 3) uniform sampler2D receivers_2;
+layout(binding = 4) uniform sampler2D receivers_3;
+#endif
+
+const float kSmallestNormalCosine = 0.7;  // receivers that lean away more lie on another face
+
+vec3 decoded_normal(uint code) {
+    vec2 f = vec2((uvec2(code >> 14, code) & 0x3fffu)) / 8191.0 - 1.0;
+    vec3 n = vec3(f.x, 1.0 - abs(f.x) - abs(f.y), f.y);
+    float fold = max(-n.y, 0.0);
+    n.x += n.x >= 0.0 ? -fold : fold;
+    n.z += n.z >= 0.0 ? -fold : fold;
+    return normalize(n);
+}
+
+// Integral from -infinity of the tent max(0, 1 - |x|).
+float tent_integral(float x) {
+    x = clamp(x, -1.0, 1.0);
+    return 0.5 + x - 0.5 * x * abs(x);
+}
+
+// A tent of half-width 1 - box, convolved with a box of half-width `box`: support [-1, 1], integral 1.
+float profile(float x, float box) {
+    if (box == 0.0) return max(0.0, 1.0 - abs(x));
+    float scale = 1.0 / (1.0 - box);
+    return (tent_integral((x + box) * scale) - tent_integral((x - box) * scale)) / (2.0 * box);
+}
+
+vec4 lit(sampler2D receiver_image) {
+    vec4 receiver = texelFetch(receiver_image, ivec2(gl_FragCoord.xy), 0);
+    uint code = floatBitsToUint(receiver.w);
+    precise vec3 offset = receiver.xyz - position_tolerance.xyz;
+    precise float a = dot(axis_a.xyz, offset);
+    precise float b = dot(axis_b.xyz, offset);
+    if (code == 0u || max(abs(a), abs(b)) >= 1.0 || float(code >> 31) != irradiance.w ||
+        abs(dot(normal, offset)) > position_tolerance.w)
+        return vec4(0.0);
+    vec3 receiver_normal = decoded_normal(code);
+    if (dot(receiver_normal, normal) < kSmallestNormalCosine) return vec4(0.0);
+    precise float weight = profile(a, axis_a.w) * profile(b, axis_b.w) * max(0.0, dot(receiver_normal, facing));
+    return vec4(weight * irradiance.xyz, 0.0);
+}

@@ -1,0 +1,12 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// A splat too large for a point sprite: two triangles over the box.
+#include "photon_splatting/splat_vertex.glsl"
+
+const vec2 kCorners[6] = vec2[](vec2(-1, -1), vec2(1, -1), vec2(1, 1), vec2(-1, -1), vec2(1, 1), vec2(-1, 1));
+
+void main() {
+    Splat splat = splats[gl_VertexIndex / 6];
+    send_splat(splat);
+    gl_Position = clip_from_pixel(splat.center + kCorners[gl_VertexIndex % 6] * splat.half_size);
+}

@@ -1,0 +1,50 @@
+#include "methods/photon_splatting/landing.h"
+
+#include <limits>
+#include <numeric>
+
+#include "base/parallel.h"
+#include "light/grid_blocks.h"
+
+namespace dapple::methods {
+
+Landings land(const light::BeamMesh& mesh, const rays::RayScene& rays) {
+    Landings landings;
+    landings.depth.assign(mesh.vertices(), std::numeric_limits<float>::infinity());
+    landings.normal.assign(mesh.vertices(), glm::vec3(0, 1, 0));
+    const light::GridBlocks blocks(mesh.rows, mesh.columns);
+    std::vector<std::size_t> landed(blocks.bands(), 0);
+    parallel_for(blocks.bands(), 1, [&](std::size_t begin, std::size_t end) {
+        std::vector<rays::Ray> beams;
+        std::vector<rays::Hit> hits;
+        std::vector<std::size_t> vertex;
+        beams.reserve(blocks.band_size());
+        vertex.reserve(blocks.band_size());
+        for (std::size_t band = begin; band < end; ++band) {
+            beams.clear();
+            vertex.clear();
+            blocks.visit_band(band, [&](std::size_t i) {
+                if (!(mesh.flux[i] > 0)) return;
+                rays::Ray ray;
+                ray.origin = mesh.origin[i];
+                ray.near = mesh.start[i];
+                ray.direction = mesh.slope[i];
+                beams.push_back(ray);
+                vertex.push_back(i);
+            });
+            hits.assign(beams.size(), {});
+            rays.intersect_objects(beams, hits);
+            for (std::size_t k = 0; k < vertex.size(); ++k) {
+                if (hits[k].primitive == rays::kNoHit) continue;
+                const glm::vec3 normal = glm::normalize(hits[k].normal);
+                landings.depth[vertex[k]] = hits[k].distance;
+                landings.normal[vertex[k]] = glm::dot(normal, beams[k].direction) < 0 ? normal : -normal;
+                ++landed[band];
+            }
+        }
+    });
+    landings.count = std::accumulate(landed.begin(), landed.end(), std::size_t{0});
+    return landings;
+}
+
+}  // namespace dapple::methods

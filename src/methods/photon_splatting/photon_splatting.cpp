@@ -1,0 +1,85 @@
+#include "methods/photon_splatting/photon_splatting.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "layout/splat.h"
+#include "light/caustic_map.h"
+#include "methods/photon_splatting/landing.h"
+#include "methods/photon_splatting/splat_builder.h"
+#include "methods/photon_splatting/splat_renderer.h"
+
+namespace dapple::methods {
+
+struct PhotonSplatting::State {
+    explicit State(gpu::Device& d) : device(&d), mapper(d), renderer(d) {}
+    gpu::Device* device;
+    light::CausticMapper mapper;
+    SplatRenderer renderer;
+};
+
+PhotonSplatting::PhotonSplatting() = default;
+PhotonSplatting::~PhotonSplatting() = default;
+
+Support PhotonSplatting::supports_surface(const scene::FrameState& state) const {
+    std::string reason = "receivers that the camera sees directly; none behind water or mirrors";
+    if (std::any_of(state.lights.begin(), state.lights.end(), [](const scene::Light& light) {
+            return light.type == scene::LightType::sun && light.angular_diameter > 0;
+        }))
+        reason += "; the sun's disc as a widening of the splats by its variance";
+    return {Support::Degree::partly, reason};
+}
+
+std::size_t PhotonSplatting::bytes(const scene::FrameState& state, std::size_t pixels) const {
+    if (!state.water) return 0;
+    const glm::dvec2 size = state.water->extent.size;
+    const double side = state.caustics.photon_splatting.map_resolution;
+    // Photons without the border, which is thin but for low suns: at most four times as many in all.
+    const double photons = side * side * std::min(size.x, size.y) / std::max(size.x, size.y);
+    constexpr double kMap = 16 + 4 + 36;  // surface, depth, rays
+    constexpr double kMesh = 12 + 12 + 4 + 4 + 1;
+    constexpr double kLanding = 4 + 12;
+    constexpr double kSplats = 2 * sizeof(layout::Splat);  // in bands, then on the device
+    const double events = 2 * static_cast<double>(state.lights.size());
+    constexpr std::size_t kLayer = 4 * 3 * 16;  // four layers' staging, receivers and irradiance
+    return static_cast<std::size_t>(
+               photons * (kMap + 2 * kMesh + kLanding + kSplats + events * sizeof(layout::Splat))) +
+           pixels * kLayer;
+}
+
+void PhotonSplatting::begin(FrameContext& context) {
+    if (!state_ || state_->device != &context.device) state_ = std::make_unique<State>(context.device);
+    SplatRenderer& renderer = state_->renderer;
+    renderer.clear();
+    const int resolution = context.scene.state.caustics.photon_splatting.map_resolution;
+    for (std::size_t next = 0; next < context.chains.size();) {
+        // Chains of one light share its map.
+        const int light = context.chains[next].light;
+        std::vector<light::Event> events;
+        for (; next < context.chains.size() && context.chains[next].light == light; ++next)
+            events.push_back(context.chains[next].event);
+        for (const light::BeamMesh& mesh :
+             state_->mapper.trace(context.scene, context.rays, light, events, resolution, context.stats)) {
+            Landings landings;
+            {
+                const ScopedPass pass(context.stats, "photon tracing");
+                landings = land(mesh, context.rays);
+            }
+            context.stats.count("photons landed", static_cast<double>(landings.count));
+            const ScopedPass pass(context.stats, "photon footprints");
+            const Splats splats =
+                build_splats(context.scene, mesh, landings, context.device.largest_point_size());
+            renderer.add(splats);
+            context.stats.count("photons without a footprint", static_cast<double>(splats.without_footprint));
+        }
+    }
+    context.stats.count("splats", static_cast<double>(renderer.points() + renderer.quads()));
+    context.stats.count("large splats", static_cast<double>(renderer.quads()));
+}
+
+void PhotonSplatting::irradiance(FrameContext& context, std::span<const view::ReceiverLayer> layers,
+                                 std::span<LayerResult> results) {
+    state_->renderer.render(layers, results, context.stats);
+}
+
+}  // namespace dapple::methods

@@ -1,0 +1,27 @@
+#pragma once
+#include <memory>
+
+#include "methods/caustic_method.h"
+
+namespace dapple::methods {
+
+/// Photon splatting from a caustic map (Kougianos & Moustakas 2021, section 3) with footprints by photon
+/// differences (Ouyang & Yang 2020). The vertices of the beam meshes are photons; each lights the receivers
+/// about its landing point through a kernel that sums to one over the photon's lattice, so flat water comes
+/// out flat and flux is kept.
+class PhotonSplatting final : public CausticMethod {
+public:
+    PhotonSplatting();
+    ~PhotonSplatting() override;
+    Support supports_surface(const scene::FrameState& state) const override;
+    std::size_t bytes(const scene::FrameState& state, std::size_t pixels) const override;
+    void begin(FrameContext& context) override;
+    void irradiance(FrameContext& context, std::span<const view::ReceiverLayer> layers,
+                    std::span<LayerResult> results) override;
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+}  // namespace dapple::methods

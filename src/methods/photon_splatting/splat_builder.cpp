@@ -1,0 +1,187 @@
+#include "methods/photon_splatting/splat_builder.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/parallel.h"
+#include "light/grid_blocks.h"
+#include "methods/photon_splatting/kernel.h"
+#include "methods/photon_splatting/lattice.h"
+#include "methods/photon_splatting/picture_box.h"
+
+namespace dapple::methods {
+namespace {
+
+// A neighbour's ray that meets the tangent plane so much more steeply or levelly spans no footprint with this
+// one.
+constexpr float kLeastRelativeCosine = 0.1f;
+// A plane seen more edge-on than this covers no pixel.
+constexpr float kLeastViewCosine = 1e-4f;
+// Receivers within this share of the kernel's half-extent of the tangent plane are on the same surface: the
+// sagitta of a kernel as large as half the radius of curvature.
+constexpr float kPlaneTolerance = 0.25f;
+
+class Builder {
+public:
+    Builder(const scene::FrameScene& scene, const light::BeamMesh& mesh, const Landings& landings,
+            float largest_point)
+        : mesh_(mesh),
+          landings_(landings),
+          picture_(scene),
+          largest_point_(largest_point),
+          columns_(static_cast<std::size_t>(mesh.columns)),
+          rows_(static_cast<std::size_t>(mesh.rows)) {
+        const scene::Light& light = scene.state.lights[static_cast<std::size_t>(mesh.light)];
+        const scene::Water& water = *scene.state.water;
+        const bool sun = light.type == scene::LightType::sun;
+        color_ = glm::vec3(sun ? light.irradiance : light.intensity);
+        absorption_ = glm::vec3(water.absorption);
+        light_position_ = glm::vec3(light.position - scene.origin);
+        // Refraction into the water narrows the disc by 1/n across the plane of incidence and by more, cos(i)
+        // / (n cos(t)), in it; the wider one stands for both.
+        if (sun)
+            disc_ =
+                static_cast<float>(0.5 * light.angular_diameter /
+                                   (mesh.event == light::Event::transmission ? water.refractive_index : 1.0));
+    }
+
+    void build(std::size_t i, std::vector<layout::Splat>& points, std::vector<layout::Splat>& quads,
+               std::size_t& without_footprint) const {
+        const float depth = landings_.depth[i];
+        if (!std::isfinite(depth)) return;
+        const glm::vec3 slope = mesh_.slope[i], normal = landings_.normal[i];
+        const glm::vec3 point = mesh_.origin[i] + depth * slope;
+        glm::vec2 pixel;
+        glm::vec3 gradient_x, gradient_y;
+        if (!picture_.at(point, pixel, gradient_x, gradient_y)) return;
+        const glm::vec3 to_camera = picture_.to_camera(point);
+        if (glm::dot(normal, to_camera) < kLeastViewCosine * glm::length(to_camera)) return;
+
+        glm::vec3 along_columns, along_rows;
+        const std::size_t row = i / columns_, column = i % columns_;
+        if (!difference(i, column > 0, column + 1 < columns_, 1, depth, normal, along_columns) ||
+            !difference(i, row > 0, row + 1 < rows_, columns_, depth, normal, along_rows)) {
+            ++without_footprint;
+            return;
+        }
+
+        const glm::vec3 right =
+            glm::normalize(std::abs(normal.x) < 0.7f ? glm::cross(normal, glm::vec3(1, 0, 0))
+                                                     : glm::cross(normal, glm::vec3(0, 1, 0)));
+        const glm::vec3 up = glm::cross(normal, right);
+        const float steepness = glm::length(slope), way = steepness * (depth - mesh_.start[i]);
+        const glm::vec3 beam = slope / steepness;
+        KernelMetric metric;
+        metric.pixel_from_plane = {{glm::dot(gradient_x, right), glm::dot(gradient_y, right)},
+                                   {glm::dot(gradient_x, up), glm::dot(gradient_y, up)}};
+        const glm::vec2 lean(glm::dot(beam, right), glm::dot(beam, up));
+        metric.beam_gram = glm::mat2(1) - glm::outerProduct(lean, lean);
+        metric.disc_radius = disc_ * way;
+        const auto on_plane = [&](glm::vec3 v) { return glm::vec2(glm::dot(v, right), glm::dot(v, up)); };
+        const ReducedLattice lattice =
+            reduce_lattice(on_plane(along_columns), on_plane(along_rows), reduction_metric(metric));
+
+        layout::Splat splat;
+        splat.position = point;
+        splat.normal = normal;
+        splat.in_water = mesh_.in_water() ? 1.0f : 0.0f;
+        const glm::vec3 power = mesh_.flux[i] * color_ * glm::exp(-absorption_ * way_in_water(i, way));
+        const float facing = glm::dot(beam, normal);
+        for (int b = 0; b < lattice.count; ++b) {
+            const LatticeBasis& basis = lattice.bases[static_cast<std::size_t>(b)];
+            const PlaneKernel kernel = widened_kernel(basis, metric);
+            const glm::vec3 first = kernel.first.x * right + kernel.first.y * up;
+            const glm::vec3 second = kernel.second.x * right + kernel.second.y * up;
+            if (!picture_.box(point, first, second, splat.center, splat.half_size)) continue;
+            // Dual vectors of (first, second, beam): perpendicular to the beam, so that a receiver off the
+            // plane is taken along the beam.
+            const glm::vec3 a = glm::cross(second, beam), c = glm::cross(beam, first);
+            splat.axis_a = a / glm::dot(first, a);
+            splat.axis_b = c / glm::dot(second, c);
+            const float area = std::abs(glm::dot(glm::cross(first, second), normal));
+            splat.box_a = kernel.box_first;
+            splat.box_b = kernel.box_second;
+            splat.irradiance = power * (basis.weight / area);
+            splat.tolerance =
+                kPlaneTolerance * std::max(glm::length(first), glm::length(second)) * std::abs(facing);
+            if (!finite(splat)) continue;
+            const bool small = 2 * std::max(splat.half_size.x, splat.half_size.y) <= largest_point_;
+            (small ? points : quads).push_back(splat);
+        }
+    }
+
+private:
+    /// The step to the next ray along the grid on the tangent plane: half the way between both neighbours, or
+    /// the way to the one there is.
+    bool difference(std::size_t i, bool has_before, bool has_after, std::size_t stride, float depth,
+                    glm::vec3 normal, glm::vec3& step) const {
+        glm::vec3 before, after;
+        has_before = has_before && step_to(i, i - stride, depth, normal, before);
+        has_after = has_after && step_to(i, i + stride, depth, normal, after);
+        if (has_before && has_after) {
+            step = 0.5f * (after - before);
+        } else if (has_after) {
+            step = after;
+        } else {
+            step = -before;
+        }
+        return has_before || has_after;
+    }
+
+    /// From where ray i lands to where ray j meets the same plane. Differences of the rays come first: the
+    /// points themselves have lost the digits.
+    bool step_to(std::size_t i, std::size_t j, float depth, glm::vec3 normal, glm::vec3& step) const {
+        step = glm::vec3(0);
+        if (!mesh_.valid[j]) return false;
+        const glm::vec3 level =
+            (mesh_.origin[j] - mesh_.origin[i]) + depth * (mesh_.slope[j] - mesh_.slope[i]);
+        const float own = glm::dot(normal, mesh_.slope[i]), other = glm::dot(normal, mesh_.slope[j]);
+        if (!(other < kLeastRelativeCosine * own)) return false;  // both are negative
+        step = level - (glm::dot(normal, level) / other) * mesh_.slope[j];
+        return true;
+    }
+
+    /// m in the water, from the light or the surface to the landing point.
+    float way_in_water(std::size_t i, float way) const {
+        const float after = mesh_.in_water() ? way : 0.0f;
+        if (!mesh_.from_below) return after;
+        const glm::vec3 surface = mesh_.origin[i] + mesh_.start[i] * mesh_.slope[i];
+        return after + glm::length(surface - light_position_);
+    }
+
+    static bool finite(const layout::Splat& splat) {
+        const glm::vec3 sum = splat.axis_a + splat.axis_b + splat.irradiance;
+        return std::isfinite(sum.x + sum.y + sum.z) && std::isfinite(splat.tolerance);
+    }
+
+    const light::BeamMesh& mesh_;
+    const Landings& landings_;
+    PictureMap picture_;
+    float largest_point_;
+    std::size_t columns_, rows_;
+    glm::vec3 color_, absorption_, light_position_;
+    float disc_ = 0;  // radius a m of way, across the beam
+};
+
+}  // namespace
+
+Splats build_splats(const scene::FrameScene& scene, const light::BeamMesh& mesh, const Landings& landings,
+                    float largest_point) {
+    const Builder builder(scene, mesh, landings, largest_point);
+    const light::GridBlocks blocks(mesh.rows, mesh.columns);
+    Splats splats;
+    splats.points.resize(blocks.bands());
+    splats.quads.resize(blocks.bands());
+    std::vector<std::size_t> without_footprint(blocks.bands(), 0);
+    parallel_for(blocks.bands(), 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t band = begin; band < end; ++band) {
+            blocks.visit_band(band, [&](std::size_t i) {
+                builder.build(i, splats.points[band], splats.quads[band], without_footprint[band]);
+            });
+        }
+    });
+    for (const std::size_t count : without_footprint) splats.without_footprint += count;
+    return splats;
+}
+
+}  // namespace dapple::methods

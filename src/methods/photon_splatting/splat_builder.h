@@ -1,0 +1,26 @@
+#pragma once
+#include <cstddef>
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "layout/splat.h"
+#include "light/beam_mesh.h"
+#include "methods/photon_splatting/landing.h"
+#include "scene/frame_scene.h"
+
+namespace dapple::methods {
+
+/// Splats that the camera may see, in the order of the mesh's vertices, cut into the fixed bands of the loop.
+struct Splats {
+    std::vector<std::vector<layout::Splat>> points;  ///< a band each
+    std::vector<std::vector<layout::Splat>> quads;   ///< those wider than a point sprite can be
+    std::size_t without_footprint = 0;  ///< landed rays that have no neighbour to span a footprint with
+};
+
+/// Turns landed photons into splats: the footprint is spanned by the neighbours' rays, landed on the tangent
+/// plane of the photon's own landing point (Ouyang & Yang 2020: photon difference scattering), so what the
+/// neighbours hit does not matter. `largest_point`: pixels.
+Splats build_splats(const scene::FrameScene& scene, const light::BeamMesh& mesh, const Landings& landings,
+                    float largest_point);
+
+}  // namespace dapple::methods

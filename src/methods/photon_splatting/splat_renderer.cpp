@@ -1,0 +1,207 @@
+#include "methods/photon_splatting/splat_renderer.h"
+
+#include <algorithm>
+#include <bit>
+#include <optional>
+
+#include "base/parallel.h"
+#include "gpu/pass_list.h"
+#include "layout/splat.h"
+#include "methods/photon_splatting/receiver_code.h"
+#include "spirv/photon_splatting_splat_1_frag.h"
+#include "spirv/photon_splatting_splat_4_frag.h"
+#include "spirv/photon_splatting_splat_point_vert.h"
+#include "spirv/photon_splatting_splat_quad_vert.h"
+
+namespace dapple::methods {
+namespace {
+
+using layout::Splat;
+using layout::SplatPush;
+static_assert(sizeof(Splat) == 92);
+static_assert(sizeof(SplatPush) == 8);
+
+constexpr std::size_t kTile = 1 << 14;
+constexpr std::uint32_t kVerticesPerQuad = 6;
+
+gpu::RasterDescription additive(gpu::Topology topology, std::uint32_t layers) {
+    gpu::RasterDescription description;
+    description.interface = {.storage_buffers = 1, .sampled_images = layers, .push_bytes = sizeof(SplatPush)};
+    description.topology = topology;
+    description.blend = gpu::Blend::add;
+    description.color_formats.assign(layers, gpu::Format::rgba32f);
+    return description;
+}
+
+/// Whether the method answers for this receiver: the camera sees it directly.
+bool is_covered(std::uint32_t flags) {
+    return (flags & view::kReceiver) != 0 && (flags & view::kBehindSpecular) == 0;
+}
+
+void write_receivers(const view::ReceiverLayer& layer, std::span<glm::vec4> texels) {
+    parallel_for(layer.pixels(), kTile, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const std::uint32_t flags = layer.flags[i];
+            const std::uint32_t code =
+                is_covered(flags) ? receiver_code(layer.shading_normal[i], (flags & view::kInWater) != 0) : 0;
+            texels[i] = code == 0 ? glm::vec4(0) : glm::vec4(layer.position[i], std::bit_cast<float>(code));
+        }
+    });
+}
+
+void read_result(const view::ReceiverLayer& layer, std::span<const glm::vec4> texels, LayerResult& result) {
+    result.irradiance.resize(layer.pixels());
+    result.covered.resize(layer.pixels());
+    parallel_for(layer.pixels(), kTile, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            result.covered[i] = is_covered(layer.flags[i]) ? 1 : 0;
+            result.irradiance[i] = result.covered[i] != 0 ? glm::vec3(texels[i]) : glm::vec3(0);
+        }
+    });
+}
+
+/// What one layer needs on the device while it is drawn.
+struct LayerImages {
+    LayerImages(gpu::Device& device, int width, int height)
+        : staging(device, "layer",
+                  static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * sizeof(glm::vec4)),
+          receivers(device, "receivers", width, height, gpu::Format::rgba32f),
+          irradiance(device, "irradiance", width, height, gpu::Format::rgba32f) {}
+    gpu::Buffer staging;  // receivers on the way in, irradiance on the way out
+    gpu::Image receivers;
+    gpu::Image irradiance;
+};
+
+}  // namespace
+
+struct SplatRenderer::State {
+    explicit State(gpu::Device& d)
+        : device(d),
+          points_1(d, "splats", photon_splatting_splat_point_vert, photon_splatting_splat_1_frag,
+                   additive(gpu::Topology::points, 1)),
+          points_4(d, "splats of four layers", photon_splatting_splat_point_vert,
+                   photon_splatting_splat_4_frag, additive(gpu::Topology::points, 4)),
+          quads_1(d, "large splats", photon_splatting_splat_quad_vert, photon_splatting_splat_1_frag,
+                  additive(gpu::Topology::triangles, 1)),
+          quads_4(d, "large splats of four layers", photon_splatting_splat_quad_vert,
+                  photon_splatting_splat_4_frag, additive(gpu::Topology::triangles, 4)) {}
+
+    /// Packs the bands one after another into buffers that fit a storage binding.
+    void pack(const std::vector<std::vector<Splat>>& bands, std::vector<gpu::Buffer>& buffers) {
+        const std::size_t most = device.largest_storage_range() / sizeof(Splat);
+        std::size_t band = 0;
+        while (band < bands.size()) {
+            std::vector<std::size_t> first;  // of each band in this buffer
+            std::size_t total = 0, end = band;
+            while (end < bands.size() && (end == band || total + bands[end].size() <= most)) {
+                first.push_back(total);
+                total += bands[end++].size();
+            }
+            if (total > 0) {
+                gpu::Buffer buffer(device, "splats", total * sizeof(Splat));
+                const std::span<Splat> splats = buffer.as<Splat>();
+                parallel_for(end - band, 1, [&](std::size_t from, std::size_t to) {
+                    for (std::size_t b = from; b < to; ++b)
+                        std::copy(bands[band + b].begin(), bands[band + b].end(),
+                                  splats.begin() + static_cast<std::ptrdiff_t>(first[b]));
+                });
+                buffers.push_back(std::move(buffer));
+            }
+            band = end;
+        }
+    }
+
+    void draw(gpu::PassList& passes, std::span<const view::ReceiverLayer> layers,
+              std::vector<LayerImages>& images) {
+        const bool four = layers.size() == 4;
+        SplatPush push;
+        push.picture = glm::vec2(layers[0].width, layers[0].height);
+        gpu::Targets targets;
+        std::vector<const gpu::Image*> receivers;
+        for (LayerImages& layer : images) {
+            passes.copy("receivers up", layer.staging, layer.receivers);
+            targets.colors.push_back(&layer.irradiance);
+            receivers.push_back(&layer.receivers);
+        }
+        const auto add = [&](const gpu::RasterPipeline& pipeline, gpu::Buffer& buffer,
+                             std::uint32_t vertices) {
+            gpu::Bindings bindings{.buffers = {&buffer}, .images = receivers, .writes = {}, .push = {}};
+            bindings.set_push(push);
+            passes.draw("splatting", pipeline, std::move(bindings), targets, {.vertices = vertices});
+            targets.clear = false;
+        };
+        const auto count = [](const gpu::Buffer& buffer) {
+            return static_cast<std::uint32_t>(buffer.bytes() / sizeof(Splat));
+        };
+        for (gpu::Buffer& buffer : points) add(four ? points_4 : points_1, buffer, count(buffer));
+        for (gpu::Buffer& buffer : quads)
+            add(four ? quads_4 : quads_1, buffer, kVerticesPerQuad * count(buffer));
+        for (LayerImages& layer : images) passes.copy("irradiance down", layer.irradiance, layer.staging);
+    }
+
+    gpu::Device& device;
+    gpu::RasterPipeline points_1, points_4, quads_1, quads_4;
+    std::vector<gpu::Buffer> points, quads;
+};
+
+SplatRenderer::SplatRenderer(gpu::Device& device) : state_(std::make_unique<State>(device)) {}
+SplatRenderer::~SplatRenderer() = default;
+
+void SplatRenderer::clear() {
+    state_->points.clear();
+    state_->quads.clear();
+}
+
+void SplatRenderer::add(const Splats& splats) {
+    state_->pack(splats.points, state_->points);
+    state_->pack(splats.quads, state_->quads);
+}
+
+namespace {
+
+std::size_t splats_in(const std::vector<gpu::Buffer>& buffers) {
+    std::size_t total = 0;
+    for (const gpu::Buffer& buffer : buffers) total += buffer.bytes() / sizeof(Splat);
+    return total;
+}
+
+}  // namespace
+
+std::size_t SplatRenderer::points() const {
+    return splats_in(state_->points);
+}
+std::size_t SplatRenderer::quads() const {
+    return splats_in(state_->quads);
+}
+
+void SplatRenderer::render(std::span<const view::ReceiverLayer> layers, std::span<LayerResult> results,
+                           FrameStats& stats) {
+    const bool nothing = state_->points.empty() && state_->quads.empty();
+    for (std::size_t next = 0; next < layers.size();) {
+        const std::size_t batch = layers.size() - next >= 4 && !nothing ? 4 : 1;
+        const std::span<const view::ReceiverLayer> part = layers.subspan(next, batch);
+        const std::span<LayerResult> out = results.subspan(next, batch);
+        next += batch;
+        if (nothing) {
+            read_result(part[0], std::vector<glm::vec4>(part[0].pixels(), glm::vec4(0)), out[0]);
+            continue;
+        }
+        std::vector<LayerImages> images;
+        images.reserve(batch);
+        {
+            const ScopedPass pass(stats, "splatting");
+            for (const view::ReceiverLayer& layer : part) {
+                images.emplace_back(state_->device, layer.width, layer.height);
+                write_receivers(layer, images.back().staging.as<glm::vec4>());
+            }
+        }
+        gpu::PassList passes(state_->device);
+        state_->draw(passes, part, images);
+        passes.run(stats);
+        const ScopedPass pass(stats, "splatting");
+        for (std::size_t i = 0; i < batch; ++i)
+            read_result(part[i], images[i].staging.as<glm::vec4>(), out[i]);
+    }
+}
+
+}  // namespace dapple::methods

@@ -1,0 +1,34 @@
+#pragma once
+#include <memory>
+#include <span>
+
+#include "base/stats.h"
+#include "gpu/device.h"
+#include "methods/caustic_method.h"
+#include "methods/photon_splatting/splat_builder.h"
+#include "view/receiver_layer.h"
+
+namespace dapple::methods {
+
+/// Draws splats into receiver layers on the device, additively and in their order, so that bits repeat.
+class SplatRenderer {
+public:
+    explicit SplatRenderer(gpu::Device& device);
+    ~SplatRenderer();
+
+    /// Forgets the splats of the last frame.
+    void clear();
+    /// Takes the splats of one beam mesh, to be drawn after those taken before.
+    void add(const Splats& splats);
+    std::size_t points() const;
+    std::size_t quads() const;
+    /// E of each layer, up to four in one draw; `covered` is set for receivers that the camera sees directly.
+    void render(std::span<const view::ReceiverLayer> layers, std::span<LayerResult> results,
+                FrameStats& stats);
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+}  // namespace dapple::methods
