@@ -296,6 +296,11 @@ Device::Device(const DeviceOptions& options) {
         s.info = describe(s.physical);
         s.memory = s.physical.getMemoryProperties();
         s.limits = s.physical.getProperties().limits;
+        const auto sizes =
+            s.physical.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceVulkan11Properties,
+                                      vk::PhysicalDeviceVulkan13Properties>();
+        s.largest_buffer = std::min(sizes.get<vk::PhysicalDeviceVulkan11Properties>().maxMemoryAllocationSize,
+                                    sizes.get<vk::PhysicalDeviceVulkan13Properties>().maxBufferSize);
         s.queue_family = find_queue_family(s.physical).value();
         s.timestamp_bits = s.physical.getQueueFamilyProperties()[s.queue_family].timestampValidBits;
         s.large_points = offered_features(s.physical).core.largePoints;

@@ -33,6 +33,7 @@ struct Device::State {
     bool large_points = false;
     vk::PhysicalDeviceLimits limits{};
     vk::PhysicalDeviceMemoryProperties memory{};
+    std::uint64_t largest_buffer = 0;  // bytes
     std::uint32_t queue_family = 0;
     std::uint32_t timestamp_bits = 0;
 

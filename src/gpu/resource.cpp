@@ -36,6 +36,9 @@ std::size_t bytes_per_texel(Format format) {
 Buffer::Buffer(Device& device, std::string_view name, std::size_t bytes) : state_(std::make_unique<State>()) {
     constexpr std::size_t kSmallest = 16;  // Vulkan has no empty buffers
     const std::string what = "buffer '" + std::string(name) + "' of " + std::to_string(bytes) + " bytes";
+    if (bytes > device.state().largest_buffer)
+        throw Error(ExitCode::device, what + " cannot be made: the device takes " +
+                                          std::to_string(device.state().largest_buffer) + " at most");
     guarded("cannot make " + what, [&] {
         State& s = *state_;
         s.device = &device.state();

@@ -130,6 +130,16 @@ TEST_F(Compute, WrongBindingsAreRefusedWithASentence) {
     EXPECT_THROW(passes.compute("groups", write, writing(values, 1), {1u << 31, 1, 1}), std::logic_error);
 }
 
+TEST_F(Compute, AbsurdSizesAreRefused) {
+    try {
+        const Buffer absurd(device, "absurd", std::size_t{1} << 50);
+        FAIL() << "made";
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ExitCode::device);
+        EXPECT_NE(std::string(error.what()).find("'absurd'"), std::string::npos) << error.what();
+    }
+}
+
 TEST_F(Compute, BuffersBeyondOneBindingAreRefused) {
     if (device.largest_storage_range() > 1u << 28)
         GTEST_SKIP() << "the device binds more than the test would take";

@@ -33,7 +33,7 @@ void measure(benchmark::State& state, const RasterPipeline& pipeline, const Bind
         passes.run(stats);
     };
     run();
-    for (auto _ : state) run();
+    for ([[maybe_unused]] auto _ : state) run();
     state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(primitives));
     state.SetLabel(shared_device().info().name);
 }
