@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <optional>
-#include <unordered_map>
 #include <utility>
 
+#include "gpu/barrier_tracker.h"
 #include "gpu/device_state.h"
 
 namespace dapple::gpu {
@@ -13,14 +12,6 @@ namespace {
 
 using Stage = vk::PipelineStageFlagBits2;
 using Access = vk::AccessFlagBits2;
-
-/// How a pass touches one buffer or image.
-struct Use {
-    const void* resource;  // the address of its State names it
-    vk::PipelineStageFlags2 stages;
-    vk::AccessFlags2 reads;
-    vk::AccessFlags2 writes;
-};
 
 enum class Kind { compute, draw, image_to_buffer, buffer_to_image };
 
@@ -38,47 +29,6 @@ struct Pass {
     bool clear = true;
     std::uint32_t vertices = 0;
     Buffer::State* indices = nullptr;
-};
-
-/// What passes so far did to a resource.
-struct History {
-    vk::PipelineStageFlags2 write_stages;
-    vk::AccessFlags2 writes;
-    vk::PipelineStageFlags2 read_stages;  // since the last write
-};
-
-/// Orders a pass after the passes whose results it reads or overwrites. One global memory barrier for all
-/// hazards of a pass: buffers and images keep their layout and queue, and a finer barrier would gain nothing
-/// in order of one queue.
-class BarrierTracker {
-public:
-    /// The barrier that has to come before a pass with these uses, if any.
-    std::optional<vk::MemoryBarrier2> before(const std::vector<Use>& uses) {
-        vk::MemoryBarrier2 barrier;
-        for (const Use& use : uses) {
-            const History& history = histories_[use.resource];
-            const bool after_write = static_cast<bool>(history.writes);
-            const bool after_read = use.writes && history.read_stages;
-            if (!after_write && !after_read) continue;
-            barrier.srcStageMask |= history.write_stages;
-            barrier.srcAccessMask |= history.writes;
-            if (use.writes) barrier.srcStageMask |= history.read_stages;
-            barrier.dstStageMask |= use.stages;
-            barrier.dstAccessMask |= use.reads | use.writes;
-        }
-        for (const Use& use : uses) {
-            History& history = histories_[use.resource];
-            if (use.writes)
-                history = {use.stages, use.writes, {}};
-            else
-                history.read_stages |= use.stages;
-        }
-        if (!barrier.srcStageMask) return std::nullopt;
-        return barrier;
-    }
-
-private:
-    std::unordered_map<const void*, History> histories_;
 };
 
 const PipelineState& checked_pipeline(const std::string& name, const PipelineState& pipeline,
@@ -125,6 +75,18 @@ Pass bound_pass(const Device::State& device, std::string_view name, Kind kind, c
         pass.uses.push_back({&image->state(), shader_stages, Access::eShaderSampledRead, {}});
     }
     pass.push = std::move(bindings.push);
+    return pass;
+}
+
+Pass copy_pass(std::string_view name, Kind kind, Image::State& image, Buffer::State& buffer) {
+    Pass pass;
+    pass.name = name;
+    pass.kind = kind;
+    pass.images = {&image};
+    pass.buffers = {&buffer};
+    const std::size_t pixels = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
+    require(pixels * bytes_per_texel(image.format) <= buffer.bytes,
+            "pass '" + pass.name + "': the buffer is smaller than the image");
     return pass;
 }
 
@@ -243,34 +205,16 @@ void PassList::draw(std::string_view name, const RasterPipeline& pipeline, Bindi
 }
 
 void PassList::copy(std::string_view name, const Image& from, const Buffer& to) {
-    Pass pass;
-    pass.name = name;
-    pass.kind = Kind::image_to_buffer;
-    pass.images = {&from.state()};
-    pass.buffers = {&to.state()};
+    Pass pass = copy_pass(name, Kind::image_to_buffer, from.state(), to.state());
     pass.uses = {{&from.state(), Stage::eCopy, Access::eTransferRead, {}},
                  {&to.state(), Stage::eCopy, {}, Access::eTransferWrite}};
-    const Image::State& image = from.state();
-    require(static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height) *
-                    bytes_per_texel(image.format) <=
-                to.bytes(),
-            "pass '" + pass.name + "': the buffer is smaller than the image");
     state_->passes.push_back(std::move(pass));
 }
 
 void PassList::copy(std::string_view name, const Buffer& from, const Image& to) {
-    Pass pass;
-    pass.name = name;
-    pass.kind = Kind::buffer_to_image;
-    pass.images = {&to.state()};
-    pass.buffers = {&from.state()};
+    Pass pass = copy_pass(name, Kind::buffer_to_image, to.state(), from.state());
     pass.uses = {{&from.state(), Stage::eCopy, Access::eTransferRead, {}},
                  {&to.state(), Stage::eCopy, {}, Access::eTransferWrite}};
-    const Image::State& image = to.state();
-    require(static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height) *
-                    bytes_per_texel(image.format) <=
-                from.bytes(),
-            "pass '" + pass.name + "': the buffer is smaller than the image");
     state_->passes.push_back(std::move(pass));
 }
 
