@@ -48,7 +48,9 @@ int parse_and_run(int argc, char** argv) {
         return parser.exit(request);
     } catch (const CLI::ParseError& error) {
         const std::string first = argc > 1 ? argv[1] : "";
-        if (!first.starts_with('-') && parser.get_subcommand_no_throw(first) == nullptr) {
+        const bool known =
+            !parser.get_subcommands([&](const CLI::App* verb) { return verb->get_name() == first; }).empty();
+        if (!first.starts_with('-') && !known) {
             return fail(ExitCode::usage,
                         (first.empty() ? "a verb is missing" : "unknown verb '" + clipped(first) + "'") +
                             "; there are render, validate and info (see dapple --help)");

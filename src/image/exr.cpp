@@ -238,7 +238,9 @@ bool same_pixels(const Image& image, const std::vector<StoredChannel>& stored, c
 
 }  // namespace
 
-std::string openexr_version() { return OPENEXR_VERSION_STRING; }
+std::string openexr_version() {
+    return OPENEXR_VERSION_STRING;
+}
 
 void set_exr_threads(int threads) {
     // OpenEXR counts helpers beside the caller; one helper gains nothing over none.
