@@ -45,6 +45,22 @@ public:
         return {text_index_, static_cast<int>(index) + 1, static_cast<int>(characters) + 1};
     }
     Place place(const YAML::Mark& mark) const { return place(mark.line, mark.column); }
+    /// The text from a mark on.
+    std::string_view text_from(const YAML::Mark& mark) const {
+        const std::size_t line =
+            std::min(static_cast<std::size_t>(std::max(mark.line, 0)), starts_.size() - 1);
+        return text_.substr(
+            std::min(starts_[line] + static_cast<std::size_t>(std::max(mark.column, 0)), text_.size()));
+    }
+    /// Place of the first tab in the line's indentation, if there is one.
+    std::optional<Place> tab_in_indentation(int line) const {
+        if (line < 0 || static_cast<std::size_t>(line) >= starts_.size()) return std::nullopt;
+        const std::string_view rest = text_.substr(starts_[static_cast<std::size_t>(line)]);
+        const std::string_view indentation = rest.substr(0, rest.find_first_not_of(" \t"));
+        const std::size_t tab = indentation.find('\t');
+        if (tab == std::string_view::npos) return std::nullopt;
+        return place(line, static_cast<int>(tab));
+    }
     Place place_of_byte(std::size_t byte) const {
         const auto after = std::upper_bound(starts_.begin(), starts_.end(), byte);
         const auto line = static_cast<std::size_t>(after - starts_.begin()) - 1;
@@ -125,6 +141,25 @@ std::string clear_text(const std::string& message) {
     return "not YAML: " + clipped(message);
 }
 
+/// Whether `text` starts with a quoted scalar (after its anchor or tag) that no quote closes. yaml-cpp takes
+/// the end of the file for the end of such a scalar.
+bool is_unclosed_quote(std::string_view text) {
+    while (!text.empty() && (text[0] == '&' || text[0] == '!')) {
+        text.remove_prefix(std::min(text.find_first_of(" \t\r\n"), text.size()));
+        text.remove_prefix(std::min(text.find_first_not_of(" \t\r\n"), text.size()));
+    }
+    if (text.empty() || (text[0] != '"' && text[0] != '\'')) return false;
+    const char quote = text[0];
+    for (std::size_t i = 1; i < text.size(); ++i) {
+        const bool doubled = quote == '\'' && text.substr(i, 2) == "''";
+        if ((quote == '"' && text[i] == '\\') || doubled)
+            ++i;
+        else if (text[i] == quote)
+            return false;
+    }
+    return true;
+}
+
 /// Builds the tree from the parser's events.
 class TreeBuilder final : public YAML::EventHandler {
 public:
@@ -146,6 +181,8 @@ public:
     void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
                   const std::string& value) override {
         LocatedNode node = start(mark, tag, LocatedNode::Kind::scalar);
+        if (tag != "?" && is_unclosed_quote(lines_.text_from(mark)))
+            throw FatalFault{{node.place, path(), "the closing quote is missing"}};
         node.scalar = value;
         finish(std::move(node), anchor);
     }
@@ -322,7 +359,9 @@ YamlDocument read_yaml(std::string_view text, int text_index) {
     } catch (const FatalFault& fatal) {
         document.faults.push_back(fatal.fault);
     } catch (const YAML::Exception& error) {
-        document.faults.push_back({lines.place(error.mark), "", clear_text(error.msg)});
+        const auto tab = lines.tab_in_indentation(error.mark.line);
+        document.faults.push_back({tab ? *tab : lines.place(error.mark), "",
+                                   clear_text(tab ? YAML::ErrorMsg::TAB_IN_INDENTATION : error.msg)});
     } catch (const std::exception& error) {
         document.faults.push_back({document.root.place, "", "not YAML: " + clipped(error.what())});
     }

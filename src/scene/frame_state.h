@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,6 +11,8 @@
 /// Plain data of one instant. Lengths are metres, times seconds, angles radians; right-handed, y up; the rest
 /// plane of the water is y = 0. Colours are linear, in the OCIO role scene_linear.
 namespace dapple::scene {
+
+inline constexpr double kDegree = std::numbers::pi / 180;  ///< rad
 
 /// Frames a second as an exact fraction (24000/1001).
 struct Rational {
@@ -37,8 +40,8 @@ struct Camera {
     glm::dvec3 position{0, -1, 5};
     glm::dvec3 target{0, -1, 0};
     glm::dvec3 up{0, 1, 0};
-    double field_of_view = 0.8727;  ///< rad, vertical, perspective only (50 deg)
-    double view_height = 2;         ///< m, height of the picture at any depth, orthographic only
+    double field_of_view = 50 * kDegree;  ///< rad, vertical, perspective only
+    double view_height = 2;               ///< m, height of the picture at any depth, orthographic only
 };
 
 enum class ExtentKind {
@@ -76,9 +79,9 @@ struct Light {
     glm::dvec3 position{0, 3, 0};      ///< m; point and spot
     glm::dvec3 irradiance{3, 3, 3};    ///< W/m^2 on a plane that faces the sun
     glm::dvec3 intensity{10, 10, 10};  ///< W/sr; point, and on the axis of a spot
-    double angular_diameter = 0.00925;  ///< rad, sun; 0.53 deg; 0 is directional
-    double cone_angle = 0.5236;         ///< rad, spot: half-angle where its light has fallen to nothing
-    double falloff_angle = 0.0873;      ///< rad, spot: width of the smooth edge inside the cone
+    double angular_diameter = 0.53 * kDegree;  ///< rad, sun; 0 is directional
+    double cone_angle = 30 * kDegree;    ///< rad, spot: half-angle where its light has fallen to nothing
+    double falloff_angle = 5 * kDegree;  ///< rad, spot: width of the smooth edge inside the cone
 };
 
 enum class Shape { plane, box, sphere, mesh };

@@ -11,7 +11,7 @@ namespace {
 
 std::string bound(double value, const Field& field) {
     return field.kind == FieldKind::numbers ? format_quantity(value, field.dimension)
-                                            : format_quantity(value, Dimension::number);
+                                            : std::to_string(static_cast<std::int64_t>(value));
 }
 
 std::string type_text(const Field& field, void* object) {
@@ -47,7 +47,8 @@ std::string type_text(const Field& field, void* object) {
     std::string text;
     if (numbers[1] != nullptr) text = numbers[2] != nullptr ? "3 x " : "2 x ";
     if (field.one_for_all) text = "1 or 3 x ";
-    text.append(dimension_name(field.dimension));
+    const std::string_view name = dimension_name(field.dimension);
+    text.append(name.substr(name.find(' ') + 1));  // without its article
     const auto units = unit_symbols(field.dimension);
     return text.append(" (").append(joined(units)).append(")");
 }

@@ -460,7 +460,7 @@ const Structure& frame_schema() {
     static const Structure table{
         "timeline",
         {
-            whole("dapple", FieldKind::version, "version of this grammar").required(),
+            whole("dapple", FieldKind::version, "version of the grammar of timelines, 1").required(),
             structure<&FrameState::clip>("clip", clip_schema(), "what is rendered"),
             structure<&FrameState::camera>("camera", camera_schema(), "who looks; under water, above it"),
             water_row(),

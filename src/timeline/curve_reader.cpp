@@ -36,11 +36,17 @@ public:
         : source_(source), components_(components), clip_(clip) {}
 
     std::optional<Curve> read() {
-        check_keys(source_.node, source_.key_path, "a curve", {"keys", "interpolation"});
         const LocatedNode* list = source_.node.find("keys");
+        const auto& entries = source_.node.entries;
+        const bool misspelt = std::any_of(
+            entries.begin(), entries.end(),
+            [](const LocatedNode::Entry& entry) { return !nearest(entry.key, {"keys"}).empty(); });
+        if (list != nullptr || misspelt)
+            check_keys(source_.node, source_.key_path, "a curve", {"keys", "interpolation"});
         if (list == nullptr) {
-            fault(source_.node.key_place, source_.key_path,
-                  "expected a value or {keys: [{frame: 1, value: ...}, ...]}; there is no 'keys'");
+            if (!misspelt)
+                fault(source_.node.key_place, source_.key_path,
+                      "expected a value or {keys: [{frame: 1, value: ...}, ...]}; there is no 'keys'");
             return std::nullopt;
         }
         if (const LocatedNode* node = source_.node.find("interpolation"))

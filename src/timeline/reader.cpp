@@ -20,6 +20,10 @@ using scene::Field;
 using scene::FieldKind;
 using scene::Structure;
 
+bool contains(const std::vector<std::string_view>& words, std::string_view word) {
+    return std::find(words.begin(), words.end(), word) != words.end();
+}
+
 bool applies(const Field& field, std::string_view type) {
     return field.only_for.empty() ||
            std::find(field.only_for.begin(), field.only_for.end(), type) != field.only_for.end();
@@ -54,18 +58,22 @@ public:
             return;
         }
         const std::optional<std::string_view> type = read_type(structure, node, address, path);
+        // A misspelt key is one fault, not also a missing one.
+        std::vector<std::string_view> meant;
+        for (const LocatedNode::Entry& entry : node.entries)
+            if (const auto near = check_known(structure, entry, type, path); !near.empty())
+                meant.push_back(near);
         for (const Field& field : structure.fields) {
             if (field.key == structure.type_key || !(type ? applies(field, *type) : field.only_for.empty()))
                 continue;
             const LocatedNode* value = node.find(field.key);
             if (value != nullptr)
                 read_field(field, *value, address, join(path, field.key));
-            else if (field.required)
+            else if (field.required && !contains(meant, field.key))
                 faults_.add(node.key_place, path,
                             "the key " + in_quotes(field.key) + " is missing: " + std::string(field.doc));
         }
-        for (const LocatedNode::Entry& entry : node.entries) check_known(structure, entry, type, path);
-        if (type) check_alternatives(structure, *type, node, path);
+        if (type) check_alternatives(structure, *type, node, meant, path);
         if (structure.derive != nullptr)
             program_.derivations.push_back({address, &structure, given_keys(structure, node)});
     }
@@ -74,7 +82,7 @@ private:
     static std::string all_keys(const Structure& structure) {
         std::vector<std::string_view> keys;
         for (const Field& field : structure.fields)
-            if (std::find(keys.begin(), keys.end(), field.key) == keys.end()) keys.push_back(field.key);
+            if (!contains(keys, field.key)) keys.push_back(field.key);
         return joined(keys);
     }
 
@@ -164,13 +172,14 @@ private:
         }
     }
 
-    void check_known(const Structure& structure, const LocatedNode::Entry& entry,
-                     std::optional<std::string_view> type, const std::string& path) {
+    /// Reports a key that there is not; the known key that was probably meant, or nothing.
+    std::string_view check_known(const Structure& structure, const LocatedNode::Entry& entry,
+                                 std::optional<std::string_view> type, const std::string& path) {
         const input::Place& place = entry.value.key_place;
         const std::string key_path = join(path, entry.key);
         const auto has_key = [&](const Field& field) { return field.key == entry.key; };
         const bool exists = std::any_of(structure.fields.begin(), structure.fields.end(), has_key);
-        if (exists && (!type || structure.find(entry.key, *type) != nullptr)) return;
+        if (exists && (!type || structure.find(entry.key, *type) != nullptr)) return {};
         const std::string owner = type && !type->empty()
                                       ? std::string(structure.type_key) + " " + std::string(*type)
                                       : "the " + std::string(structure.name);
@@ -179,18 +188,19 @@ private:
                         "this key belongs to " + std::string(structure.type_key) + " " +
                             joined(types_with(structure, entry.key)) + ", not to " + std::string(*type) +
                             "; " + owner + " takes: " + joined(keys_of(structure, *type)));
-            return;
+            return {};
         }
         const std::vector<std::string_view> known =
             type ? keys_of(structure, *type) : std::vector<std::string_view>();
         std::string hint = suggestion(entry.key, known, owner + " takes:");
         if (!type) hint = suggestion(entry.key, {structure.type_key}, "known keys depend on:");
         faults_.add(place, key_path, "unknown key" + hint);
+        return nearest(entry.key, known);
     }
 
     /// Exactly one way to say a thing must be used.
     void check_alternatives(const Structure& structure, std::string_view type, const LocatedNode& node,
-                            const std::string& path) {
+                            const std::vector<std::string_view>& meant, const std::string& path) {
         for (const Alternatives& alternatives : structure.alternatives) {
             if (!alternatives.type.empty() && alternatives.type != type) continue;
             std::string ways;
@@ -210,7 +220,9 @@ private:
                     used_way = way.front();
                 }
             }
-            if (used == nullptr || node.find(used_way) == nullptr)
+            const bool misspelt = std::any_of(alternatives.ways.begin(), alternatives.ways.end(),
+                                              [&](const auto& way) { return contains(meant, way.front()); });
+            if ((used == nullptr || node.find(used_way) == nullptr) && !misspelt)
                 faults_.add(
                     node.key_place, path,
                     (used == nullptr ? "the key " + ways : "the key " + in_quotes(used_way)) + " is missing");

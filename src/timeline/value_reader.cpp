@@ -33,7 +33,8 @@ std::string shown(const std::string& text) {
 }
 
 std::string shown(double value, const Field& field) {
-    return format_quantity(value, field.kind == FieldKind::numbers ? field.dimension : Dimension::number);
+    return field.kind == FieldKind::numbers ? format_quantity(value, field.dimension)
+                                            : std::to_string(static_cast<std::int64_t>(value));
 }
 
 bool expect_scalar(const Source& source, const std::string& expected) {
