@@ -58,7 +58,7 @@ scene::WaterMesh grid_mesh(const scene::Extent& extent, const SurfaceGrid& grid,
                     if (!(normal.y > 0)) ++extreme.folded;
                 }
                 mesh.positions[v] = position;
-                mesh.normals[v] = normal / std::sqrt(glm::dot(normal, normal));
+                mesh.normals[v] = normal * (1 / std::sqrt(glm::dot(normal, normal)));
                 extreme.height = std::max(extreme.height, std::abs(position.y));
             }
             if (row + 1 == rows) continue;

@@ -21,7 +21,7 @@ bool exists(const std::string& path) {
 }
 
 std::string existing_file(const scene::MeshSequence& sequence, std::int64_t number) {
-    const std::string wanted = scene::file_path(sequence, number);
+    std::string wanted = scene::file_path(sequence, number);
     if (sequence.missing == scene::MissingFrames::error || exists(wanted)) return wanted;
     const std::int64_t last_tried = std::max(sequence.first_file, number - kLongestHold);
     for (std::int64_t earlier = number - 1; earlier >= last_tried; --earlier) {

@@ -102,7 +102,14 @@ TEST_F(MeshSequence, UpAxisScaleAndOffset) {
     sequence_.offset = {10, 20, 30};
     glm::dvec3 first = sequence_mesh(sequence_, 0).mesh.positions[0];  // (-1, 3, -1) in the file
     EXPECT_EQ(first, glm::dvec3(9.5, 21.5, 29.5));
-    sequence_.up = scene::UpAxis::z;  // the square now stands upright: neither up nor down
+    std::ofstream(folder_ / "s.0003.ply")
+        << "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty "
+           "float y\nproperty float z\nelement face 1\nproperty list uchar int "
+           "vertex_indices\nend_header\n1 2 3\n2 2 3\n2 4 3\n3 0 1 2\n";
+    sequence_.up = scene::UpAxis::z;
+    first = sequence_mesh(sequence_, 0).mesh.positions[0];
+    EXPECT_EQ(first, glm::dvec3(0.5 + 10, 1.5 + 20, -1 + 30));  // (x, z, -y): a turn, no mirror
+    write(3);  // the square now stands upright: neither up nor down
     EXPECT_THROW(sequence_mesh(sequence_, 0), Error);
 }
 

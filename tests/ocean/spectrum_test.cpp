@@ -102,15 +102,21 @@ TEST(Spreading, IntegratesToOne) {
 // holds. The quadrature goes on to infinity: beyond the cut-off lies about 0.5 % of the variance, which the 1
 // % has to bear.
 TEST(Spectrum, SumOverModesIsTheIntegralOfTheDensity) {
-    for (const double spreading : {0.0, 4.0, 16.0}) {
+    struct Case {
+        double spreading;
+        double depth;
+    };
+    for (const Case& c : {Case{0, 1e4}, Case{4, 1e4}, Case{16, 1e4}, Case{4, 3}}) {
         scene::Spectrum s;
         s.wind_heading = 0.7;
-        s.spreading = spreading;
+        s.spreading = c.spreading;
+        s.depth = c.depth;
         const double length = peak_length(s);
         s.cutoff_length = 2 * length / 25;
         const double significant_height = 4 * std::sqrt(variance_by_quadrature(s));
         const double sum = variance_of(spectrum_modes(s, {10 * length, 12 * length}));
-        EXPECT_NEAR(sum / (significant_height * significant_height / 16), 1, 0.01) << spreading;
+        EXPECT_NEAR(sum / (significant_height * significant_height / 16), 1, 0.01)
+            << c.spreading << " " << c.depth;
     }
 }
 
