@@ -25,13 +25,14 @@ struct WaterMesh {
     double height_bound = 0;
     /// Largest horizontal displacement of a vertex off its grid point; m.
     double displacement_bound = 0;
-    /// The largest |y| and the largest horizontal displacement of this very mesh; m. Far below the bounds for a
-    /// spectrum, whose bounds are sums of all amplitudes: what covers one frame is sized by these.
+    /// The largest |y| and the largest horizontal displacement of this very mesh; m. Far below the bounds for
+    /// a spectrum, whose bounds are sums of all amplitudes: what covers one frame is sized by these.
     double largest_height = 0;
     double largest_displacement = 0;
     /// Vertices at which a choppy or read surface has folded over itself: their normals do not point up.
     std::size_t folded_vertices = 0;
-    /// Shortest wave that the surface was asked for and the cells a shortest wave that the mesh has; 0: unknown.
+    /// Shortest wave that the surface was asked for and the cells a shortest wave that the mesh has; 0:
+    /// unknown.
     double shortest_wave = 0;
     double cells_per_shortest_wave = 0;
     bool capped = false;  ///< fewer cells than asked for, to keep to the cap of triangles

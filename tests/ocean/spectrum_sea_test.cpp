@@ -182,9 +182,8 @@ TEST(SpectrumSea, ChoppyMeshIsDisplacedTowardsItsCrestsWithTheNormalsOfThatSurfa
     EXPECT_LE(mesh.largest_displacement, mesh.displacement_bound);
     EXPECT_LE(mesh.largest_height, mesh.height_bound);
 
-    // Crests are sharp and troughs wide: on the choppy surface the mean height over x and z is below the
-    // median's.
-    double mean = 0;  // of the height over area: h J, J the Jacobian, whose mean is 0 without choppiness
+    // Crests are narrow and troughs wide: over the area seen from above the mean height is below the rest plane.
+    double mean = 0;  // times the area
     for (const glm::uvec3& t : mesh.mesh.triangles) {
         const glm::dvec3& a = mesh.mesh.positions[t.x];
         const glm::dvec3& b = mesh.mesh.positions[t.y];
