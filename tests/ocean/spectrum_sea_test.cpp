@@ -182,7 +182,7 @@ TEST(SpectrumSea, ChoppyMeshIsDisplacedTowardsItsCrestsWithTheNormalsOfThatSurfa
     EXPECT_LE(mesh.largest_displacement, mesh.displacement_bound);
     EXPECT_LE(mesh.largest_height, mesh.height_bound);
 
-    // Crests are narrow and troughs wide: over the area seen from above the mean height is below the rest plane.
+    // Crests are narrow and troughs wide: over the area, the mean height is below the rest plane.
     double mean = 0;  // times the area
     for (const glm::uvec3& t : mesh.mesh.triangles) {
         const glm::dvec3& a = mesh.mesh.positions[t.x];
