@@ -26,8 +26,8 @@ Landings land(const light::BeamMesh& mesh, const rays::RayScene& rays) {
             blocks.visit_band(band, [&](std::size_t i) {
                 if (!(mesh.flux[i] > 0)) return;
                 rays::Ray ray;
-                ray.origin = mesh.origin[i];
-                ray.near = mesh.start[i];
+                // From the surface: depths before it may be negative, distances not.
+                ray.origin = mesh.origin[i] + mesh.start[i] * mesh.slope[i];
                 ray.direction = mesh.slope[i];
                 beams.push_back(ray);
                 vertex.push_back(i);
@@ -37,7 +37,7 @@ Landings land(const light::BeamMesh& mesh, const rays::RayScene& rays) {
             for (std::size_t k = 0; k < vertex.size(); ++k) {
                 if (hits[k].primitive == rays::kNoHit) continue;
                 const glm::vec3 normal = glm::normalize(hits[k].normal);
-                landings.depth[vertex[k]] = hits[k].distance;
+                landings.depth[vertex[k]] = mesh.start[vertex[k]] + hits[k].distance;
                 landings.normal[vertex[k]] = glm::dot(normal, beams[k].direction) < 0 ? normal : -normal;
                 ++landed[band];
             }

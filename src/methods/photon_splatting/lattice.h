@@ -12,13 +12,12 @@ struct LatticeBasis {
     float weight = 1;  ///< share of the photon's flux
 };
 
-/// The shortest basis of the lattice in the metric (Lagrange and Gauss): integer combinations of the given
-/// vectors with determinant +-1, so kernels on it still sum to one over the lattice. Where two bases are
-/// about equally short the photon's flux is shared between both, the shares passing smoothly from one to the
-/// other: neighbouring photons of a slowly varying lattice then never change kernels abruptly, which would
-/// show as a line. `count` is 1 or 2.
+/// Short bases of the lattice in the metric: integer combinations of the given vectors with determinant +-1,
+/// so kernels on them still sum to one over the lattice. Where two or three bases are about equally short the
+/// photon's flux is shared between them, by shares that depend smoothly on the lattice: neighbouring photons
+/// of a slowly varying lattice then never change kernels abruptly, which would show as a line.
 struct ReducedLattice {
-    std::array<LatticeBasis, 2> bases;
+    std::array<LatticeBasis, 3> bases;  ///< those past `count` mean nothing
     int count = 1;
 };
 ReducedLattice reduce_lattice(glm::vec2 first, glm::vec2 second, const glm::mat2& metric);

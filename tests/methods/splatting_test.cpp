@@ -1,0 +1,275 @@
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+#include "gpu/validated_device.h"
+#include "light/caustic_map.h"
+#include "light/water_grids.h"
+#include "methods/registry.h"
+#include "view/camera.h"
+
+namespace dapple {
+namespace {
+
+constexpr double kIndex = 1.333;
+
+/// A floor at -depth (or a ceiling), larger than all light.
+scene::Object level(double height, double size = 60) {
+    scene::Object plane;
+    plane.name = height < 0 ? "floor" : "ceiling";
+    plane.size = {size, 1, size};
+    plane.transform.position = {0, height, 0};
+    if (height > 0) plane.transform.rotation = {glm::pi<double>(), 0, 0};
+    return plane;
+}
+
+/// Receivers on the level plane at `height` for a camera that looks at it from the water's side: what
+/// trace_layer would find, by hand, so that these tests rest on the light side alone.
+view::ReceiverLayer receivers_on_level(const scene::FrameScene& scene, double height, int sample = 0) {
+    const scene::FrameState& state = scene.state;
+    const view::Camera camera(state.camera, state.clip.width, state.clip.height);
+    view::ReceiverLayer layer;
+    layer.width = state.clip.width;
+    layer.height = state.clip.height;
+    layer.sample = sample;
+    const std::uint32_t flags = view::kReceiver | (height < 0 ? view::kInWater : 0u);
+    for (int y = 0; y < layer.height; ++y)
+        for (int x = 0; x < layer.width; ++x) {
+            glm::dvec3 origin, direction;
+            camera.ray(glm::dvec2(x, y) + view::Camera::sample_offset(sample, state.clip.samples), origin,
+                       direction);
+            const glm::dvec3 point = origin + direction * ((height - origin.y) / direction.y);
+            layer.flags.push_back(flags);
+            layer.position.emplace_back(point - scene.origin);
+            layer.shading_normal.emplace_back(0, height < 0 ? 1 : -1, 0);
+        }
+    layer.geometric_normal = layer.shading_normal;
+    return layer;
+}
+
+void look_down(scene::FrameScene& scene, int pixels, double view) {
+    scene.state.clip.width = scene.state.clip.height = pixels;
+    scene.state.clip.samples = 1;
+    scene.state.camera.projection = scene::Projection::orthographic;
+    scene.state.camera.position = {0, -0.1, 0};
+    scene.state.camera.target = {0, -1, 0};
+    scene.state.camera.up = {0, 0, -1};
+    scene.state.camera.view_height = view;
+}
+
+std::vector<methods::LayerResult> splat(const scene::FrameScene& scene, std::vector<light::Chain> chains,
+                                        std::span<const view::ReceiverLayer> layers, FrameStats& stats) {
+    const rays::RayScene rays(scene);
+    methods::FrameContext context{scene, rays, test::validated_device(), stats, std::move(chains)};
+    const auto method = methods::make_method("photon_splatting");
+    method->begin(context);
+    std::vector<methods::LayerResult> results(layers.size());
+    method->irradiance(context, layers, results);
+    return results;
+}
+
+methods::LayerResult splat_level(const scene::FrameScene& scene, double height,
+                                 light::Event event = light::Event::transmission) {
+    FrameStats stats;
+    const std::vector<view::ReceiverLayer> layers = {receivers_on_level(scene, height)};
+    return splat(scene, {{0, event}}, layers, stats)[0];
+}
+
+double flat_transmittance(double i) {
+    if (i == 0) return 1 - std::pow((kIndex - 1) / (kIndex + 1), 2);
+    const double t = std::asin(std::sin(i) / kIndex);
+    const double s = std::sin(i - t) / std::sin(i + t), p = std::tan(i - t) / std::tan(i + t);
+    return 1 - 0.5 * (s * s + p * p);
+}
+
+/// Flat water of 6 m over a floor 1.5 m down.
+scene::FrameScene flat_pool(double zenith, int resolution) {
+    scene::FrameScene scene = test::water_scene({6, 6});
+    scene.state.lights = {test::sun(zenith, 33)};
+    scene.state.objects = {level(-1.5)};
+    scene.state.caustics.photon_splatting.map_resolution = resolution;
+    scene.origin = {1, -2, 3};
+    test::add_water(scene, {}, 8, 8);
+    return scene;
+}
+
+glm::dvec3 flat_floor(const scene::FrameScene& scene, double zenith) {
+    const double i = glm::radians(zenith), t = std::asin(std::sin(i) / kIndex);
+    return scene.state.lights[0].irradiance * std::cos(i) * flat_transmittance(i) *
+           glm::exp(-scene.state.water->absorption * (1.5 / std::cos(t)));
+}
+
+TEST(PhotonSplatting, FlatWaterComesOutFlatAtAnyRatioOfPhotonsToPixels) {
+    for (const double zenith : {0.0, 50.0})
+        // 6 m of water against 2 m in 96 pixels: spacings from 9 pixels to a seventh of one, commensurate or
+        // not.
+        for (const int resolution : {31, 97, 144, 201, 288, 331, 555, 1000, 2016}) {
+            SCOPED_TRACE(testing::Message() << "zenith " << zenith << ", " << resolution);
+            scene::FrameScene scene = flat_pool(zenith, resolution);
+            look_down(scene, 96, 2);
+            const methods::LayerResult result = splat_level(scene, -1.5);
+            const glm::dvec3 expected = flat_floor(scene, zenith);
+            double worst = 0, mean = 0;
+            for (const glm::vec3& e : result.irradiance) {
+                const glm::dvec3 error = glm::dvec3(e) / expected - 1.0;
+                worst = std::max({worst, std::abs(error.r), std::abs(error.g), std::abs(error.b)});
+                mean += error.g;
+            }
+            mean /= static_cast<double>(result.irradiance.size());
+            // Positions in float, of 2^-24 of 6 m each, against a spacing of 6 m / resolution.
+            EXPECT_LT(worst, 1e-3);
+            EXPECT_NEAR(mean, 0, 1e-5 + 1e-8 * resolution);
+        }
+}
+
+TEST(PhotonSplatting, FlatWaterComesOutFlatInPerspective) {
+    for (const int resolution : {300, 700, 1500}) {
+        SCOPED_TRACE(resolution);
+        scene::FrameScene scene = flat_pool(30, resolution);
+        look_down(scene, 128, 2);
+        scene.state.camera.projection = scene::Projection::perspective;
+        scene.state.camera.position = {-1.6, -0.5, 0.7};
+        scene.state.camera.target = {-0.2, -1.5, 0};
+        scene.state.camera.up = {0, 1, 0};
+        scene.state.camera.field_of_view = 0.7;
+        const view::ReceiverLayer layer = receivers_on_level(scene, -1.5);
+        FrameStats stats;
+        const methods::LayerResult result =
+            splat(scene, {{0, light::Event::transmission}}, {&layer, 1}, stats)[0];
+        const glm::dvec3 expected = flat_floor(scene, 30);
+        double worst = 0;
+        std::size_t seen = 0;
+        for (std::size_t i = 0; i < layer.pixels(); ++i) {
+            const glm::dvec3 p = glm::dvec3(layer.position[i]) + scene.origin;
+            if (std::abs(p.x) > 1.5 || std::abs(p.z) > 1.5) continue;
+            worst = std::max(worst, std::abs(static_cast<double>(result.irradiance[i].g) / expected.g - 1));
+            ++seen;
+        }
+        EXPECT_GT(seen, layer.pixels() / 4);
+        // Kernels change with the distance: their sum is one but for second differences, which at 2 cm of
+        // spacing against 1 m of distance are a few thousandths where bases pass into each other.
+        EXPECT_LT(worst, resolution < 500 ? 8e-3 : 4e-3);
+    }
+}
+
+TEST(PhotonSplatting, LevelReceiversCatchAllFluxOfASea) {
+    for (const light::Event event : {light::Event::transmission, light::Event::reflection}) {
+        const bool down = event == light::Event::transmission;
+        scene::FrameScene scene = test::water_scene({4, 4});
+        scene.state.lights = {test::sun(down ? 25 : 65, 0)};  // travels along -x
+        scene.state.lights[0].irradiance = {1, 1, 1};
+        scene.state.water->absorption = {0, 0, 0};
+        scene.state.caustics.photon_splatting.map_resolution = 512;
+        // Gentler waves for the reflection: its directions turn by twice the slope, and must all meet the
+        // ceiling, which must not shadow the water.
+        test::add_water(scene, test::gentle_sea(down ? 0.0032 : 0.001), 200, 200);
+        look_down(scene, 512, down ? 10 : 16);
+        if (down) {
+            scene.state.objects = {level(-2)};
+        } else {
+            scene.state.objects = {level(2, 14)};
+            scene.state.objects[0].transform.position.x = -6;
+            scene.state.camera.position = {-6, 0.5, 0};
+            scene.state.camera.target = {-6, 2, 0};
+        }
+        const double height = down ? -2 : 2;
+        const methods::LayerResult result = splat_level(scene, height, event);
+        double sum = 0;
+        for (const glm::vec3& e : result.irradiance) sum += static_cast<double>(e.g);
+        sum *= std::pow(scene.state.camera.view_height / 512, 2);
+        FrameStats stats;
+        light::CausticMapper mapper(test::validated_device());
+        const rays::RayScene rays(scene);
+        const light::BeamMesh mesh = mapper.trace(scene, rays, 0, {event}, 512, stats)[0];
+        const double flux = std::accumulate(mesh.flux.begin(), mesh.flux.end(), 0.0);
+        EXPECT_GT(flux, down ? 10 : 0.5);
+        // Sums over pixels of single splats ripple with their place; over 2e5 splats that averages out.
+        EXPECT_NEAR(sum / flux, 1, 1e-4) << mesh.name;
+    }
+}
+
+TEST(PhotonSplatting, APointLightLightsTheFloorByItsClosedForm) {
+    scene::FrameScene scene = test::water_scene({6, 6});
+    scene::Light lamp;
+    lamp.name = "lamp";
+    lamp.type = scene::LightType::point;
+    lamp.position = {0.4, 1.2, -0.3};
+    lamp.intensity = {7, 7, 7};
+    scene.state.lights = {lamp};
+    scene.state.water->absorption = {0, 0, 0};
+    scene.state.objects = {level(-1.5)};
+    scene.state.caustics.photon_splatting.map_resolution = 600;
+    test::add_water(scene, {}, 8, 8);
+    look_down(scene, 96, 2);
+    const view::ReceiverLayer layer = receivers_on_level(scene, -1.5);
+    const methods::LayerResult result = splat_level(scene, -1.5);
+    const double a = 1.2, b = 1.5;
+    double worst = 0;
+    for (std::size_t k = 0; k < layer.pixels(); ++k) {
+        const glm::dvec3 p(layer.position[k]);
+        const double r = std::hypot(p.x - 0.4, p.z + 0.3);
+        double low = 0, high = glm::half_pi<double>();
+        for (int step = 0; step < 60; ++step) {  // r(i) grows
+            const double i = 0.5 * (low + high);
+            (a * std::tan(i) + b * std::tan(std::asin(std::sin(i) / kIndex)) < r ? low : high) = i;
+        }
+        const double i = std::max(low, 1e-6), t = std::asin(std::sin(i) / kIndex);
+        // methods: E = I (1 - F) sin(i) / (r dr/di).
+        const double rate =
+            a / std::pow(std::cos(i), 2) + b * std::cos(i) / (kIndex * std::pow(std::cos(t), 3));
+        const double radius = a * std::tan(i) + b * std::tan(t);
+        const double expected = 7 * flat_transmittance(i) * std::sin(i) / (radius * rate);
+        worst = std::max(worst, std::abs(static_cast<double>(result.irradiance[k].g) / expected - 1));
+    }
+    // Spacing of 1 cm against lengths of 1 m: the footprint's and the tent's second differences are 1e-4.
+    EXPECT_LT(worst, 1e-3);
+}
+
+TEST(PhotonSplatting, LayersHaveTheSameBitsInAnyBatch) {
+    scene::FrameScene scene = flat_pool(20, 300);
+    test::add_water(scene, test::gentle_sea(), 100, 100);
+    look_down(scene, 64, 2);
+    scene.state.clip.samples = 5;
+    std::vector<view::ReceiverLayer> layers;
+    for (int sample = 0; sample < 5; ++sample) layers.push_back(receivers_on_level(scene, -1.5, sample));
+    FrameStats stats;
+    const auto together = splat(scene, {{0, light::Event::transmission}}, layers, stats);
+    for (std::size_t i = 0; i < layers.size(); ++i) {
+        const auto alone = splat(scene, {{0, light::Event::transmission}}, {&layers[i], 1}, stats);
+        EXPECT_EQ(alone[0].irradiance, together[i].irradiance) << i;
+    }
+}
+
+TEST(PhotonSplatting, LightsOnlyReceiversInItsMediumThatFaceItOnItsPlane) {
+    scene::FrameScene scene = flat_pool(0, 200);
+    look_down(scene, 8, 0.5);
+    FrameStats stats;
+    std::vector<view::ReceiverLayer> layers(7, receivers_on_level(scene, -1.5));
+    for (std::size_t i = 0; i < layers[0].pixels(); ++i) {
+        layers[1].flags[i] = view::kReceiver;  // in the air
+        layers[2].flags[i] = view::kReceiver | view::kInWater | view::kBehindSpecular;
+        layers[3].shading_normal[i] = {0, -1, 0};
+        layers[4].position[i].y += 0.1f;  // a shelf above the floor
+        layers[5].shading_normal[i] = {1, 0, 0};
+        layers[6].flags[i] = view::kEnvironment;
+    }
+    const auto results = splat(scene, {{0, light::Event::transmission}}, layers, stats);
+    for (std::size_t k = 0; k < layers.size(); ++k)
+        for (std::size_t i = 0; i < layers[k].pixels(); ++i) {
+            EXPECT_EQ(results[k].irradiance[i].g > 0, k == 0) << k;
+            EXPECT_EQ(results[k].covered[i], k == 2 || k == 6 ? 0 : 1) << k;
+        }
+}
+
+TEST(PhotonSplatting, ASceneWithoutChainsIsDark) {
+    scene::FrameScene scene = flat_pool(0, 20);
+    look_down(scene, 8, 0.5);
+    FrameStats stats;
+    const view::ReceiverLayer layer = receivers_on_level(scene, -1.5);
+    const auto results = splat(scene, {}, {&layer, 1}, stats);
+    for (const glm::vec3& e : results[0].irradiance) EXPECT_EQ(e, glm::vec3(0));
+    EXPECT_EQ(results[0].covered[0], 1);
+}
+
+}  // namespace
+}  // namespace dapple
