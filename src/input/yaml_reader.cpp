@@ -36,7 +36,6 @@ public:
     }
 
     Place place(int line, int byte_column) const {
-        if (line < 0 || byte_column < 0) return {text_index_, 1, 1};
         const std::size_t index = std::min(static_cast<std::size_t>(line), starts_.size() - 1);
         const std::string_view before = text_.substr(starts_[index], static_cast<std::size_t>(byte_column));
         const auto characters = std::count_if(before.begin(), before.end(), [](char c) {
@@ -45,6 +44,8 @@ public:
         return {text_index_, static_cast<int>(index) + 1, static_cast<int>(characters) + 1};
     }
     Place place(const YAML::Mark& mark) const { return place(mark.line, mark.column); }
+    /// Behind the last character that is no blank.
+    Place end() const { return place_of_byte(text_.find_last_not_of(" \t\r\n") + 1); }
     /// The text from a mark on.
     std::string_view text_from(const YAML::Mark& mark) const {
         const std::size_t line =
@@ -360,8 +361,15 @@ YamlDocument read_yaml(std::string_view text, int text_index) {
         document.faults.push_back(fatal.fault);
     } catch (const YAML::Exception& error) {
         const auto tab = lines.tab_in_indentation(error.mark.line);
-        document.faults.push_back({tab ? *tab : lines.place(error.mark), "",
-                                   clear_text(tab ? YAML::ErrorMsg::TAB_IN_INDENTATION : error.msg)});
+        Place place = tab ? *tab : lines.place(error.mark);
+        // A bracket that is still open at the end of the text is found there, at whatever mark.
+        const bool open_bracket =
+            error.msg == YAML::ErrorMsg::END_OF_SEQ_FLOW || error.msg == YAML::ErrorMsg::END_OF_MAP_FLOW;
+        if (const Place end = lines.end();
+            open_bracket && ((place.line == 1 && place.column == 1) || place.line > end.line))
+            place = end;
+        document.faults.push_back(
+            {place, "", clear_text(tab ? YAML::ErrorMsg::TAB_IN_INDENTATION : error.msg)});
     } catch (const std::exception& error) {
         document.faults.push_back({document.root.place, "", "not YAML: " + clipped(error.what())});
     }

@@ -16,14 +16,22 @@ bool continues_character(char c) {
     return (static_cast<unsigned char>(c) & 0xC0U) == 0x80U;
 }
 
+/// The line as it stands, with blanks for characters that a terminal would act on; tabs stay.
+std::string printable(std::string_view line) {
+    std::string text(line);
+    for (char& c : text)
+        if ((static_cast<unsigned char>(c) < 0x20 && c != '\t') || c == 0x7F) c = ' ';
+    return text;
+}
+
 std::string line_of(std::string_view text, int line) {
     for (int i = 1; i < line; ++i) text.remove_prefix(std::min(text.find('\n'), text.size() - 1) + 1);
     text = text.substr(0, text.find('\n'));
     if (!text.empty() && text.back() == '\r') text.remove_suffix(1);
-    if (text.size() <= kLongestSource) return clipped(std::string(text));
+    if (text.size() <= kLongestSource) return printable(text);
     std::size_t end = kLongestSource;
     while (end > 0 && continues_character(text[end])) --end;
-    return clipped(std::string(text.substr(0, end))) + "...";
+    return printable(text.substr(0, end)) + "...";
 }
 
 std::string headline(const Fault& fault) {

@@ -1,0 +1,281 @@
+#include "timeline/timeline.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <numbers>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace dapple::timeline {
+namespace {
+
+using testing::ElementsAre;
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+Timeline parse(const std::string& text, const std::vector<std::string>& overrides = {}) {
+    return Timeline::parse("dapple: 1\n" + text, "t.yaml", "/clips", overrides);
+}
+
+constexpr const char* kPool = R"(
+clip: {name: pool, fps: 24000/1001, frames: 1001-1048, resolution: [96, 54], samples: 2, seed: 7}
+camera: {position: [1 m, -50 cm, 2000 mm], target: [0, -1, 0], field_of_view: 60 deg}
+water:
+  surface:
+    type: waves
+    depth: 2 m
+    waves:
+      - {length: 1.5 m, heading: 90 deg, amplitude: 12.3 mm, phase: 3 rad}
+      - {wave_vector: [0 rad/m, -4 rad/m], amplitude: 1 cm}
+  extent: {type: open, center: [1 m, 2 m], size: [8 m, 4 m]}
+  mesh_cells: 64
+  refractive_index: 1.34
+  absorption: [0.2 /m, 5 /km, 1/m]
+lights:
+  - {name: sun, type: sun, elevation: 30 deg, azimuth: 90 deg, irradiance: [3 W/m2, 2 W/m^2, 0.001 kW/m2]}
+  - {name: spot, type: spot, position: [0 m, 4 m, 3 m], target: [0 m, 0 m, 0 m], intensity: 5 W/sr}
+objects:
+  - {name: floor, shape: plane, size: [8 m, 1 m, 4 m], position: [0 m, -2 m, 0 m], material: {color: 80 %}}
+  - {name: rock, shape: mesh, file: props/rock.obj, rotation: [0 deg, 90 deg, 0 deg], scale: 2,
+     material: {texture: ../rock.png, mirror: true}}
+sky: {radiance: 0.1 W/m2/sr}
+caustics: {method: photon_splatting, map_resolution: 256}
+output:
+  ocio_config: /studio/config.ocio
+  display: sRGB
+  view: Film
+  exposure: {keys: [{frame: 1001, value: 0.1}, {frame: 1025, value: 0.7 stops}, {time: 1.5015 s, value: 0.3}]}
+  cdl: {slope: [1.1, 1, 0.9], saturation: 0.8}
+)";
+
+TEST(Timeline, ReadsEveryPartInSi) {
+    const Timeline timeline = parse(kPool);
+    const scene::FrameState state = timeline.at(1001);
+    EXPECT_EQ(state.frame, 1001);
+    EXPECT_EQ(state.time, 0);
+    EXPECT_EQ(state.clip.name, "pool");
+    EXPECT_EQ(state.clip.fps.numerator, 24000);
+    EXPECT_EQ(state.clip.fps.denominator, 1001);
+    EXPECT_EQ(state.clip.first_frame, 1001);
+    EXPECT_EQ(state.clip.last_frame, 1048);
+    EXPECT_EQ(state.clip.width, 96);
+    EXPECT_EQ(state.clip.height, 54);
+    EXPECT_EQ(state.clip.samples, 2);
+    EXPECT_EQ(state.clip.seed, 7U);
+    EXPECT_EQ(state.camera.position, glm::dvec3(1, -0.5, 2));
+    EXPECT_EQ(state.camera.field_of_view, 60 * std::numbers::pi / 180);
+    ASSERT_TRUE(state.water.has_value());
+    EXPECT_EQ(state.water->surface.waves.depth, 2);
+    EXPECT_EQ(state.water->surface.waves.waves[0].amplitude,
+              0.0123);  // as if written so: no rounding by the unit
+    EXPECT_EQ(state.water->surface.waves.waves[0].phase, 3);
+    EXPECT_EQ(state.water->extent.kind, scene::ExtentKind::open_water);
+    EXPECT_EQ(state.water->extent.center, glm::dvec2(1, 2));
+    EXPECT_EQ(state.water->extent.size, glm::dvec2(8, 4));
+    EXPECT_EQ(state.water->mesh_cells, 64);
+    EXPECT_EQ(state.water->absorption, glm::dvec3(0.2, 0.005, 1));
+    EXPECT_LT(state.water->diffuse_attenuation.x, 0);  // not given: as absorption
+    EXPECT_EQ(state.lights[0].irradiance, glm::dvec3(3, 2, 1));
+    EXPECT_EQ(state.lights[1].intensity, glm::dvec3(5));
+    EXPECT_EQ(state.objects[0].material.color, glm::dvec3(0.8));
+    EXPECT_EQ(state.objects[1].shape, scene::Shape::mesh);
+    EXPECT_EQ(state.objects[1].transform.scale, glm::dvec3(2));
+    EXPECT_TRUE(state.objects[1].material.mirror);
+    EXPECT_EQ(state.caustics.photon_splatting.map_resolution, 256);
+    EXPECT_EQ(state.output.view, "Film");
+    EXPECT_EQ(state.output.cdl.slope, glm::dvec3(1.1, 1, 0.9));
+}
+
+TEST(Timeline, DefaultsAreThoseOfTheStructs) {
+    const scene::FrameState state = parse("").at(1);
+    EXPECT_FALSE(state.water.has_value());
+    EXPECT_EQ(state.clip.width, scene::Clip().width);
+    EXPECT_EQ(state.camera.field_of_view, scene::Camera().field_of_view);
+}
+
+TEST(Timeline, SunStandsWhereItsAnglesSay) {
+    const auto direction = [](const std::string& angles) {
+        return parse("lights: [{type: sun, " + angles + "}]").at(1).lights[0].direction;
+    };
+    const auto near = [](const glm::dvec3& a, const glm::dvec3& b) { return glm::length(a - b) < 1e-15; };
+    EXPECT_TRUE(near(direction("elevation: 90 deg"), {0, -1, 0}));
+    EXPECT_TRUE(near(direction("elevation: 30 deg"), {-std::cos(30 * kDegree), -0.5, 0}));
+    EXPECT_TRUE(near(direction("elevation: 30 deg, azimuth: 90 deg"), {0, -0.5, -std::cos(30 * kDegree)}));
+    EXPECT_TRUE(near(direction("direction: [3, -4, 0]"), {0.6, -0.8, 0}));
+}
+
+TEST(Timeline, SpotsAndWavesFollowFromVectors) {
+    const scene::FrameState state = parse(kPool).at(1001);
+    EXPECT_NEAR(glm::length(state.lights[1].direction - glm::dvec3(0, -0.8, -0.6)), 0, 1e-15);
+    const scene::Wave& wave = state.water->surface.waves.waves[1];
+    EXPECT_DOUBLE_EQ(wave.length, 2 * std::numbers::pi / 4);
+    EXPECT_DOUBLE_EQ(wave.heading, -90 * kDegree);
+}
+
+TEST(Timeline, KeysAreExactAtTheirFrames) {
+    const Timeline timeline = parse(kPool);
+    const auto exposure = [&](std::int64_t frame) { return timeline.at(frame).output.exposure; };
+    EXPECT_EQ(exposure(1001), 0.1);
+    EXPECT_EQ(exposure(1025), 0.7);
+    EXPECT_EQ(exposure(1037), 0.3);  // 36 frames of 1001/24000 s are 1.5015 s
+    EXPECT_NEAR(exposure(1013), 0.4, 1e-15);
+    EXPECT_EQ(exposure(900), 0.1);
+    EXPECT_EQ(exposure(5000), 0.3);
+}
+
+TEST(Timeline, FramesAreExactAtEveryRate) {
+    for (const char* rate : {"24", "25", "30000/1001", "24000/1001", "60000/1001", "7/3"}) {
+        std::string keys;
+        for (int frame = 1; frame <= 200; ++frame)
+            keys += (frame > 1 ? ", " : "") + std::string("{frame: ") + std::to_string(frame) +
+                    ", value: " + std::to_string(frame % 7) + "}";
+        const Timeline timeline =
+            parse("clip: {fps: " + std::string(rate) +
+                  ", frames: 1-200}\noutput: {exposure: {interpolation: cubic, keys: [" + keys + "]}}");
+        for (int frame = 1; frame <= 200; ++frame) EXPECT_EQ(timeline.at(frame).output.exposure, frame % 7);
+    }
+}
+
+TEST(Timeline, KeyedPartsKeepTheRestOfTheirStruct) {
+    const Timeline timeline = parse(
+        "lights: [{type: sun, azimuth: 0 deg, elevation: {keys: [{frame: 1, value: 90 deg}, {frame: 3, "
+        "value: 30 "
+        "deg}]}}]\nclip: {frames: 1-3}");
+    EXPECT_NEAR(timeline.at(1).lights[0].direction.y, -1, 1e-15);
+    EXPECT_NEAR(timeline.at(2).lights[0].direction.y, -std::sin(60 * kDegree), 1e-15);
+    EXPECT_NEAR(timeline.at(3).lights[0].direction.y, -0.5, 1e-15);
+}
+
+TEST(Timeline, AFrameDoesNotDependOnThoseBefore) {
+    const Timeline timeline = parse(kPool);
+    const double alone = parse(kPool).at(1030).output.exposure;
+    for (const std::int64_t frame : {1048, 1001, 1030, 1002}) timeline.at(frame);
+    EXPECT_EQ(timeline.at(1030).output.exposure, alone);
+}
+
+TEST(Timeline, PathsStartAtItsFolder) {
+    const Timeline timeline = parse(kPool);
+    EXPECT_EQ(timeline.at(1001).objects[1].file, "/clips/props/rock.obj");
+    EXPECT_THAT(timeline.input_files(),
+                ElementsAre("/clips/props/rock.obj", "/rock.png", "/studio/config.ocio"));
+}
+
+constexpr const char* kSequence =
+    "clip: {fps: 24, frames: 1-8}\n"
+    "water: {surface: {type: mesh_sequence, pattern: sea.%04d.ply, first_file: 3, last_file: 6, fps: 12}}";
+
+TEST(Timeline, SequencesListTheFilesOfTheirFrames) {
+    const auto path = [](int n) { return "/clips/sea.000" + std::to_string(n) + ".ply"; };
+    // Eight frames at 24 a second last four files at 12 a second.
+    EXPECT_THAT(parse(kSequence).input_files(), ElementsAre(path(3), path(4), path(5), path(6)));
+    EXPECT_THAT(parse(kSequence, {"clip.frames=1-4"}).input_files(), ElementsAre(path(3), path(4)));
+    EXPECT_THAT(parse(kSequence, {"water.surface.last_file=4"}).input_files(), ElementsAre(path(3), path(4)));
+    EXPECT_THAT(parse(kSequence, {"water.surface.fps=48"}).input_files(),
+                ElementsAre(path(3), path(5), path(6)));
+    EXPECT_THAT(parse(kSequence, {"clip.frames=1", "water.surface.pattern=s##.obj"}).input_files(),
+                ElementsAre("/clips/s03.obj"));
+}
+
+TEST(Timeline, HeldSequencesListWhatStandsInForMissingFiles) {
+    const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "dapple_held_sequence";
+    std::filesystem::create_directories(folder);
+    std::ofstream(folder / "sea.0003.ply") << "ply";
+    std::ofstream(folder / "sea.0005.ply") << "ply";
+    const Timeline timeline = Timeline::parse("dapple: 1\n" + std::string(kSequence), "t.yaml",
+                                              folder.string(), {"water.surface.missing=hold"});
+    EXPECT_THAT(timeline.input_files(),
+                ElementsAre((folder / "sea.0003.ply").string(), (folder / "sea.0005.ply").string()));
+    std::filesystem::remove_all(folder);
+}
+
+TEST(Timeline, LargePicturesAreLeftToTheMemoryBudget) {
+    EXPECT_EQ(parse("clip: {resolution: [1000000, 1000000]}").clip().width, 1'000'000);
+}
+
+TEST(Fingerprint, DoesNotSeeHowThingsAreWritten) {
+    const std::string a =
+        parse(
+            "clip: {fps: 24, frames: 1-8}\nwater: {surface: {type: waves}, absorption: 0.5}\n"
+            "objects: [{shape: box, size: [1 m, 20 cm, 3 mm]}]\n"
+            "output: {exposure: {keys: [{frame: 1, value: 0}, {frame: 25, value: 1}]}}")
+            .fingerprint();
+    const std::string b =
+        parse(
+            "# the same\noutput:\n  exposure:\n    keys: [{time: 0 s, value: 0.0 EV}, {time: "
+            "1000 ms, value: 1, interpolation: step}]\nobjects:\n  - size: [1, 0.2, 0.003]\n"
+            "    shape: box\nwater: {absorption: [0.5 /m, 500 /km, 0.5], surface: {type: waves}}\n"
+            "clip: {frames: 1-400, fps: 48/2, samples: 4}")
+            .fingerprint();
+    EXPECT_EQ(a, b);
+}
+
+TEST(Fingerprint, IsTheSameInAnotherFolder) {
+    const std::string text = "dapple: 1\nobjects: [{shape: mesh, file: a.ply}]\n";
+    EXPECT_EQ(Timeline::parse(text, "t", "/a").fingerprint(), Timeline::parse(text, "t", "/b").fingerprint());
+}
+
+TEST(Fingerprint, SeesEveryChange) {
+    std::set<std::string> seen{parse(kPool).fingerprint()};
+    for (const char* change : {"clip.name=other",
+                               "clip.fps=24",
+                               "clip.frames=1000-1048",
+                               "clip.resolution=[97, 54]",
+                               "clip.samples=3",
+                               "clip.seed=8",
+                               "camera.position=[1 m, -50 cm, 2001 mm]",
+                               "camera.projection=orthographic",
+                               "camera.up=[1, 1, 0]",
+                               "water.surface.depth=3 m",
+                               "water.surface.waves[0].amplitude=12.30000001 mm",
+                               "water.surface.waves[0].heading=91 deg",
+                               "water.surface.waves[1].wave_vector=[0, -4.1]",
+                               "water.surface.waves=[]",
+                               "water.surface={type: spectrum}",
+                               "water.extent.type=pool",
+                               "water.extent.size=[8, 5]",
+                               "water.mesh_cells=65",
+                               "water.refractive_index=1.33",
+                               "water.diffuse_attenuation=0.1",
+                               "lights.sun.elevation=31 deg",
+                               "lights.sun.azimuth=91 deg",
+                               "lights.sun.angular_diameter=0",
+                               "lights.spot.target=[0, 0, 1]",
+                               "lights.spot.cone_angle=20 deg",
+                               "lights=[]",
+                               "objects.floor.shape=box",
+                               "objects.rock.file=props/stone.obj",
+                               "objects.rock.material.mirror=false",
+                               "objects.rock.rotation=[0, 1, 0]",
+                               "sky.radiance=0.2",
+                               "caustics.map_resolution=257",
+                               "output.ocio_config=other.ocio",
+                               "output.view=Raw",
+                               "output.look=warm",
+                               "output.exposure=0.1",
+                               "output.exposure.interpolation=step",
+                               "output.exposure.keys[1].value=0.8",
+                               "output.exposure.keys[1].frame=1026",
+                               "output.cdl.offset=0.01"}) {
+        std::vector<std::string> changes{change};
+        if (changes[0] == "camera.projection=orthographic")  // which has no field of view
+            changes = {"camera={projection: orthographic}"};
+        EXPECT_TRUE(seen.insert(parse(kPool, changes).fingerprint()).second) << change;
+    }
+}
+
+TEST(Timeline, DemosAreValid) {
+    for (const auto& entry :
+         std::filesystem::directory_iterator(std::filesystem::path(DAPPLE_SOURCE_DIR) / "sequences")) {
+        if (entry.path().extension() != ".yaml") continue;
+        EXPECT_NO_THROW(Timeline::load(entry.path().string())) << entry.path();
+    }
+}
+
+}  // namespace
+}  // namespace dapple::timeline
