@@ -1,0 +1,149 @@
+#include "scene/schema.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <set>
+#include <string>
+
+#include "scene/number_pattern.h"
+
+namespace dapple::scene {
+namespace {
+
+void for_each_structure(const Structure& structure, const std::function<void(const Structure&)>& visit) {
+    visit(structure);
+    for (const Field& field : structure.fields)
+        if (field.structure != nullptr) for_each_structure(*field.structure, visit);
+}
+
+std::string row(const Structure& structure, const Field& field) {
+    return std::string(structure.name) + "." + std::string(field.key);
+}
+
+TEST(Schema, EveryRowCanBeUsed) {
+    for_each_structure(frame_schema(), [](const Structure& structure) {
+        for (const Field& field : structure.fields) {
+            const bool integral = field.kind == FieldKind::integer || field.kind == FieldKind::boolean ||
+                                  field.kind == FieldKind::choice;
+            EXPECT_EQ(field.components != nullptr, field.kind == FieldKind::numbers) << row(structure, field);
+            EXPECT_EQ(field.get != nullptr && field.set != nullptr, integral) << row(structure, field);
+            EXPECT_EQ(field.choices.empty(), field.kind != FieldKind::choice) << row(structure, field);
+            EXPECT_EQ(field.member != nullptr, !integral && field.kind != FieldKind::numbers)
+                << row(structure, field);
+            EXPECT_EQ(field.resize != nullptr && field.element != nullptr && field.size != nullptr,
+                      field.kind == FieldKind::list)
+                << row(structure, field);
+            EXPECT_LE(field.range.low, field.range.high) << row(structure, field);
+        }
+    });
+}
+
+TEST(Schema, KeysAreUniqueForEachType) {
+    for_each_structure(frame_schema(), [](const Structure& structure) {
+        std::set<std::string> seen;
+        for (const Field& field : structure.fields) {
+            if (field.only_for.empty()) {
+                EXPECT_TRUE(seen.insert(std::string(field.key)).second) << row(structure, field);
+            }
+            for (const std::string_view type : field.only_for) {
+                EXPECT_TRUE(seen.insert(std::string(type) + "/" + std::string(field.key)).second)
+                    << row(structure, field);
+                const Field* chooser = structure.find(structure.type_key, {});
+                ASSERT_NE(chooser, nullptr) << structure.name;
+                EXPECT_NE(std::find(chooser->choices.begin(), chooser->choices.end(), type),
+                          chooser->choices.end())
+                    << row(structure, field);
+                EXPECT_EQ(structure.find(field.key, type), &field);
+            }
+        }
+    });
+}
+
+TEST(Schema, DefaultsAreInRange) {
+    FrameState state;
+    const std::function<void(const Structure&, void*)> check = [&](const Structure& structure, void* object) {
+        for (const Field& field : structure.fields) {
+            if (field.kind == FieldKind::structure) check(*field.structure, field.member(object));
+            if (field.kind == FieldKind::list) {
+                field.resize(object, 1);
+                check(*field.structure, field.element(object, 0));
+            }
+            if (field.no_default) continue;
+            if (field.get != nullptr && field.kind == FieldKind::integer) {
+                EXPECT_TRUE(field.range.contains(static_cast<double>(field.get(object))))
+                    << row(structure, field);
+            }
+            if (field.components == nullptr) continue;
+            for (const double* number : field.components(object))
+                if (number != nullptr) {
+                    EXPECT_TRUE(field.range.contains(*number)) << row(structure, field);
+                }
+        }
+    };
+    check(frame_schema(), &state);
+}
+
+TEST(Schema, ChoicesFollowTheirEnumerations) {
+    const Structure& lights = *frame_schema().find("lights", {})->structure;
+    const Structure& objects = *frame_schema().find("objects", {})->structure;
+    const Structure& water = *frame_schema().find("water", {})->structure;
+    const Structure& surface = *water.find("surface", {})->structure;
+    const auto index = [](const Structure& structure, const char* key, const char* name) {
+        const auto& choices = structure.find(key, {})->choices;
+        return std::find(choices.begin(), choices.end(), name) - choices.begin();
+    };
+    EXPECT_EQ(index(lights, "type", "spot"), static_cast<int>(LightType::spot));
+    EXPECT_EQ(index(lights, "type", "point"), static_cast<int>(LightType::point));
+    EXPECT_EQ(index(objects, "shape", "box"), static_cast<int>(Shape::box));
+    EXPECT_EQ(index(objects, "shape", "sphere"), static_cast<int>(Shape::sphere));
+    EXPECT_EQ(index(objects, "shape", "mesh"), static_cast<int>(Shape::mesh));
+    EXPECT_EQ(index(surface, "type", "spectrum"), static_cast<int>(WaterSurfaceType::spectrum));
+    EXPECT_EQ(index(surface, "type", "mesh_sequence"), static_cast<int>(WaterSurfaceType::mesh_sequence));
+}
+
+TEST(Schema, ReferenceNamesEveryKey) {
+    const std::string reference = key_reference();
+    for_each_structure(frame_schema(), [&](const Structure& structure) {
+        for (const Field& field : structure.fields)
+            EXPECT_NE(reference.find(std::string(field.key) + ": "), std::string::npos)
+                << row(structure, field);
+    });
+    EXPECT_NE(reference.find(
+                  "angular_diameter: angle (deg, rad, mrad), >= 0 deg, < 90 deg, default 0.53 deg, keyed"),
+              std::string::npos);
+}
+
+TEST(MeshSequence, ShowsTheFileThatBeganLast) {
+    MeshSequence files;
+    files.pattern = "/a/sea.%04d.ply";
+    files.first_file = 10;
+    files.last_file = 20;
+    files.fps = 24;
+    // Every frame of a clip at the files' own rate shows its own file, whatever frame / fps * fps rounds to.
+    for (int frame = 0; frame <= 10; ++frame) EXPECT_EQ(file_number(files, frame / 24.0), 10 + frame);
+    EXPECT_EQ(file_number(files, 0.9 / 24), 10);
+    EXPECT_EQ(file_number(files, 1e6), 20);
+    EXPECT_EQ(file_number(files, -1), 10);
+    EXPECT_EQ(file_path(files, 10), "/a/sea.0010.ply");
+    files.pattern = "/a/sea_##_x.obj";
+    EXPECT_EQ(file_path(files, 7), "/a/sea_07_x.obj");
+    EXPECT_EQ(file_path(files, 123), "/a/sea_123_x.obj");
+    files.pattern = "%d.ply";
+    EXPECT_EQ(file_path(files, 7), "7.ply");
+}
+
+TEST(MeshSequence, FindsThePlaceOfTheNumber) {
+    EXPECT_EQ(find_number("sea.%04d.ply").begin, 4U);
+    EXPECT_EQ(find_number("sea.%04d.ply").length, 4U);
+    EXPECT_EQ(find_number("a####b").digits, 4U);
+    for (const char* none :
+         {"", "sea.ply", "%", "%04", "%x", "50%.ply", "%04d.%04d", "##.#", "%99999999999d"})
+        EXPECT_EQ(find_number(none).length, 0U) << none;
+}
+
+}  // namespace
+}  // namespace dapple::scene
