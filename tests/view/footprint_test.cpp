@@ -90,6 +90,32 @@ TEST(Footprint, OnASphereAndAnEllipsoid) {
     }
 }
 
+TEST(Footprint, InTextureIsTheDifferenceOfTextureCoordinates) {
+    for (const auto shape : {scene::Shape::plane, scene::Shape::box, scene::Shape::sphere}) {
+        ViewScene scene = narrow({1, 2.5, 3}, {0.1, 0.35, 0.2});  // the sphere at a latitude of 35 degrees
+        scene::Object& object = scene.add(shape, {0, 0, 0});
+        object.material.texture_size = 0.3;
+        object.transform.scale = {1.5, 1.5, 1.5};
+        object.transform.rotation = {0.1, 0.2, 0};
+        const ReceiverLayer layer = scene.trace();
+        std::size_t compared = 0;
+        for (std::size_t y = 1; y < 63; ++y) {
+            for (std::size_t x = 1; x < 63; ++x) {
+                const std::size_t i = y * 64 + x;
+                const bool alike = layer.geometric_normal[i - 65] == layer.geometric_normal[i + 65] ||
+                                   shape == scene::Shape::sphere;
+                if (!alike || layer.flags[i - 65] != kReceiver || layer.flags[i + 65] != kReceiver) continue;
+                const glm::vec2 along_u = 0.5f * (layer.uv[i + 1] - layer.uv[i - 1]);
+                const glm::vec2 along_v = 0.5f * (layer.uv[i + 64] - layer.uv[i - 64]);
+                const double width = std::max(length(along_u), length(along_v));
+                EXPECT_NEAR(layer.uv_width[i], width, 2 * kDifference * width);
+                ++compared;
+            }
+        }
+        EXPECT_GT(compared, 2000u);
+    }
+}
+
 TEST(Footprint, ByACurvedMirror) {
     for (const double stretch : {1.0, 2.0}) {
         ViewScene scene = narrow({1, 2, 3}, {0, 0, 0});
