@@ -85,6 +85,7 @@ TEST(Energy, FloorCatchesTheRefractedFlux) {
     const double expected =
         state.lights[0].irradiance.x *
         flux_through(ocean::WaterSurface(*state.water).mesh(0), state.lights[0].direction).transmitted;
+    printf("flux landed over flux through the surface: 1 %+.2e\n", landed / expected - 1);
     EXPECT_NEAR(landed, expected, kTolerance * expected);
 }
 
@@ -103,6 +104,7 @@ TEST(Energy, CeilingCatchesTheReflectedFlux) {
     const double expected =
         state.lights[0].irradiance.x *
         flux_through(ocean::WaterSurface(*state.water).mesh(0), state.lights[0].direction).reflected;
+    printf("flux landed over flux through the surface: 1 %+.2e\n", landed / expected - 1);
     EXPECT_NEAR(landed, expected, kTolerance * expected);
 }
 

@@ -29,9 +29,7 @@ const std::vector<float>& values(const image::Image& image, const std::string& n
 class FlatWater : public testing::TestWithParam<double> {};
 
 INSTANTIATE_TEST_SUITE_P(SunFromZenith, FlatWater, testing::Values(0.0, 30.0, 60.0, 80.0, 89.0),
-                         [](const auto& info) {
-                             return std::to_string(static_cast<int>(info.param)) + "deg";
-                         });
+                         [](const auto& sun) { return std::to_string(static_cast<int>(sun.param)) + "deg"; });
 
 TEST_P(FlatWater, FloorIrradianceIsTheClosedForm) {
     scene::FrameState state = test::pool_over_floor(kPatch, kDepth, 1.6, kPixels);

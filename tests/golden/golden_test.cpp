@@ -37,7 +37,7 @@ INSTANTIATE_TEST_SUITE_P(Demos, GoldenFrame,
                          testing::Values(Golden{"pool", "pool.yaml", 20}, Golden{"seabed", "seabed.yaml", 10},
                                          Golden{"bridge", "bridge.yaml", 5},
                                          Golden{"blender_ocean", "blender_ocean.yaml", 3}),
-                         [](const auto& info) { return info.param.name; });
+                         [](const auto& golden) { return golden.param.name; });
 
 image::Image render_small(const Golden& golden) {
     const timeline::Timeline timeline =
