@@ -13,6 +13,7 @@ namespace {
 
 /// The one form of error lines, for people and for the farms' patterns.
 int fail(ExitCode code, const std::string& message) {
+    std::fflush(stdout);  // so that the error stands last, also where both go to one file
     std::fprintf(stderr, "ERROR [%d] %s\n", static_cast<int>(code), message.c_str());
     return static_cast<int>(code);
 }

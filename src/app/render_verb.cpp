@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
-#include <map>
 #include <memory>
 #include <string>
 #include <utility>
@@ -24,7 +23,7 @@ struct Arguments {
     std::vector<std::string> overrides;
     std::string frames;
     std::string output;
-    run::Existing existing = run::Existing::verify;
+    std::string existing = "verify";
     int threads = 0;
     std::string device;
     std::string max_memory;
@@ -33,6 +32,13 @@ struct Arguments {
     bool dry_run = false;
     bool strict = false;
 };
+
+run::Existing existing_of(const std::string& name) {
+    if (name == "skip") return run::Existing::skip;
+    if (name == "overwrite") return run::Existing::overwrite;
+    if (name == "error") return run::Existing::error;
+    return run::Existing::verify;
+}
 
 /// The plan of the first frame, and of each later one whose plan is another.
 void print_plan(run::TimelineSource& source, const FrameSet& frames) {
@@ -82,13 +88,21 @@ void print_dry_run(const run::TimelineSource& source, const scene::Clip& clip,
                 free_space(options.folder).c_str());
 }
 
+/// With $DAPPLE_VALIDATION set, a message of the validation layer is a failure.
+void check_validation(const gpu::Device& device) {
+    const std::vector<std::string>& messages = device.validation_messages();
+    if (messages.empty()) return;
+    throw Error(ExitCode::device, "the validation layer sent " + std::to_string(messages.size()) +
+                                      " messages, the first: " + clipped(messages.front()));
+}
+
 ExitCode render(const Arguments& arguments) {
     const run::Interruption interruption;
     run::LoopOptions options;
     if (!arguments.frames.empty()) options.frames = FrameSet::parse(arguments.frames);
     options.max_memory =
         arguments.max_memory.empty() ? run::default_memory_budget() : run::parse_bytes(arguments.max_memory);
-    options.existing = arguments.existing;
+    options.existing = existing_of(arguments.existing);
     options.strict = arguments.strict;
     set_thread_count(arguments.threads);
     image::set_exr_threads(thread_count());
@@ -117,7 +131,9 @@ ExitCode render(const Arguments& arguments) {
     }
     try {
         const run::Job job = job_of(timeline, device, source);
-        return run::render_frames(job, source, options, interruption, reporter);
+        const ExitCode code = run::render_frames(job, source, options, interruption, reporter);
+        check_validation(device);
+        return code;
     } catch (const Error& error) {
         reporter.run_failed(static_cast<int>(error.code()), error.what());
         throw;
@@ -134,15 +150,11 @@ void add_render_verb(CLI::App& app, Run& run) {
         "-f,--frames", arguments->frames,
         "Frames, as in 1-10, 1-10x3 (every third), 1-10y3 (the others), 7,3,10-5; default: all of the clip");
     verb->add_option("-o,--output", arguments->output, "Folder for the files; default: out/NAME of the clip");
-    static const std::map<std::string, run::Existing> existing = {{"verify", run::Existing::verify},
-                                                                  {"skip", run::Existing::skip},
-                                                                  {"overwrite", run::Existing::overwrite},
-                                                                  {"error", run::Existing::error}};
     verb->add_option("--existing", arguments->existing,
                      "What to do with finished frames: verify (default; keep those whose content is right), "
                      "skip (look "
                      "at sizes only), overwrite, error")
-        ->transform(CLI::Transformer(existing).description("verify|skip|overwrite|error"));
+        ->check(CLI::IsMember({"verify", "skip", "overwrite", "error"}));
     verb->add_option("--set", arguments->overrides,
                      "Override a key of the timeline: path=value; may be repeated")
         ->allow_extra_args(false);

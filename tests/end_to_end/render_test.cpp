@@ -1,0 +1,157 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "end_to_end/program.h"
+
+namespace dapple::end_to_end {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+using testing::SizeIs;
+using testing_tools::ChildProcess;
+using testing_tools::file_text;
+using testing_tools::pictures_in;
+using testing_tools::run_program;
+using testing_tools::ScratchFolder;
+
+TEST(Render, ATimelineBecomesPicturesStatsManifestAndVideo) {
+    const ScratchFolder scratch;
+    const auto outcome =
+        run_dapple(scratch, {"render", kSmall, "-o", scratch / "out", "--log-json", scratch / "log"});
+    ASSERT_EQ(outcome.code, 0) << outcome.output;
+    EXPECT_THAT(outcome.output, HasSubstr("6 frames rendered, 0 kept"));
+    EXPECT_THAT(outcome.output, Not(HasSubstr("WARNING")));
+    EXPECT_THAT(pictures_in(scratch / "out"), SizeIs(12));
+
+    const auto manifest = nlohmann::json::parse(file_text(scratch / "out/manifest.json"));
+    EXPECT_THAT(manifest.at("frames"), SizeIs(6));
+    EXPECT_EQ(manifest.at("made_with").at("display"), "sRGB");
+    for (const char* part : {"timeline", "input files", "colour config", "program", "device type"}) {
+        EXPECT_FALSE(manifest.at("made_of").at(part).get<std::string>().empty()) << part;
+    }
+    std::ifstream stats(scratch / "out/stats.jsonl");
+    int frame = 0;
+    for (std::string line; std::getline(stats, line);) {
+        const auto json = nlohmann::json::parse(line);
+        EXPECT_EQ(json.at("frame"), ++frame);
+        EXPECT_EQ(json.at("non_finite"), 0);
+        EXPECT_GT(json.at("passes").size(), 5U);
+        EXPECT_GT(json.at("counts").at("photons"), 1000);
+    }
+    EXPECT_EQ(frame, 6);
+
+    const auto probe =
+        run_program({"ffprobe", "-v", "error", "-count_frames", "-show_entries",
+                     "stream=width,height,r_frame_rate,nb_read_frames,color_space,color_transfer", "-of",
+                     "default=noprint_wrappers=1", scratch / "out/small.mp4"},
+                    scratch / "probe.txt");
+    for (const char* expected : {"width=64", "height=36", "r_frame_rate=24000/1001", "nb_read_frames=6",
+                                 "color_space=bt709", "color_transfer=bt709"}) {
+        EXPECT_THAT(probe.output, HasSubstr(expected));
+    }
+
+    const auto header = run_program({"oiiotool", "--info", "-v", scratch / "out/linear/small.0003.exr"},
+                                    scratch / "probe.txt");
+    for (const char* expected :
+         {"24000/1001", "dapple:frame: \"3\"", "chromaticities: 0.713", "caustics.R", "E.G"}) {
+        EXPECT_THAT(header.output, HasSubstr(expected));
+    }
+}
+
+/// A frame is a pure function of timeline, number and program.
+TEST(Render, AFrameHasTheSameBitsHoweverItIsMade) {
+    const ScratchFolder scratch;
+    const auto render = [&](const std::string& name, const std::vector<std::string>& more) {
+        std::vector<std::string> arguments = {"render", kSmall, "-o", scratch / name};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        const auto outcome = run_dapple(scratch, arguments);
+        EXPECT_EQ(outcome.code, 0) << outcome.output;
+        return pictures_in(scratch / name);
+    };
+    const auto whole = render("whole", {"--threads", "2"});
+    ASSERT_THAT(whole, SizeIs(12));
+    // Frames that do not differ would prove nothing.
+    ASSERT_NE(whole.at("linear/small.0003.exr"), whole.at("linear/small.0004.exr"));
+
+    EXPECT_TRUE(render("one thread", {"--threads", "1"}) == whole);
+    EXPECT_TRUE(render("backwards", {"-f", "6-1"}) == whole);
+    for (const auto& [name, content] : render("alone", {"-f", "4"}))
+        EXPECT_TRUE(content == whole.at(name)) << name;
+    for (const auto& [name, content] : render("range", {"-f", "2-5x3,3"}))
+        EXPECT_TRUE(content == whole.at(name)) << name;
+
+    ChildProcess child(dapple({"render", kSmall, "-o", scratch / "killed"}));
+    for (int i = 0; i < 4000 && !std::filesystem::exists(scratch / "killed/graded/small.0002.exr"); ++i) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    child.signal(SIGKILL);
+    child.wait();
+    EXPECT_TRUE(render("killed", {}) == whole);
+    EXPECT_TRUE(file_text(scratch / "killed/small.mp4") == file_text(scratch / "whole/small.mp4"));
+}
+
+TEST(Render, StrictFailsAfterTheFramesAreComplete) {
+    const ScratchFolder scratch;
+    // Photon splatting serves only what the camera sees directly, and says so.
+    const auto outcome =
+        run_dapple(scratch, {"render", kSmall, "-o", scratch / "out", "-f", "1-2", "--strict"});
+    EXPECT_EQ(outcome.code, 6);
+    EXPECT_THAT(outcome.output, HasSubstr("--strict: frame 1 was done partly"));
+    EXPECT_THAT(pictures_in(scratch / "out"), SizeIs(4));
+}
+
+TEST(Render, WithoutAnEncoderThereIsAWarning) {
+    const ScratchFolder scratch;
+    const auto outcome = run_program(
+        {"/usr/bin/env", "PATH=/nonexistent", DAPPLE_PROGRAM, "render", kSmall, "-o", scratch / "out"},
+        scratch / "output.txt");
+    EXPECT_EQ(outcome.code, 0);
+    EXPECT_THAT(outcome.output, HasSubstr("WARNING no preview: ffmpeg cannot be started"));
+    EXPECT_FALSE(std::filesystem::exists(scratch / "out/small.mp4"));
+    EXPECT_EQ(run_dapple(scratch, {"render", kSmall, "-o", scratch / "out"}).code, 0);
+    EXPECT_TRUE(std::filesystem::exists(scratch / "out/small.mp4"));
+}
+
+TEST(Render, PlanAndDryRunWriteNothing) {
+    const ScratchFolder scratch;
+    const auto plan = run_dapple(scratch, {"render", kSmall, "-o", scratch / "out", "--plan"});
+    EXPECT_EQ(plan.code, 0);
+    EXPECT_THAT(plan.output, HasSubstr("caustics: photon_splatting"));
+    EXPECT_THAT(plan.output, HasSubstr("sun > water:T"));
+
+    const auto dry =
+        run_dapple(scratch, {"render", kSmall, "-o", scratch / "out", "--dry-run", "-f", "2-6x2"});
+    EXPECT_EQ(dry.code, 0);
+    EXPECT_THAT(dry.output, HasSubstr("/out/linear/small.0004.exr"));
+    EXPECT_THAT(dry.output, HasSubstr("3 frames (2-6x2) of 64x36"));
+    EXPECT_THAT(dry.output, HasSubstr("memory: about"));
+    EXPECT_THAT(dry.output, HasSubstr("disk: at most"));
+    EXPECT_FALSE(std::filesystem::exists(scratch / "out"));
+}
+
+TEST(Validate, DescribesASoundTimeline) {
+    const ScratchFolder scratch;
+    const auto outcome = run_dapple(scratch, {"validate", kSmall});
+    EXPECT_EQ(outcome.code, 0);
+    EXPECT_THAT(outcome.output, HasSubstr("is valid: clip small, frames 1-6 at 24000/1001 fps, 64x36"));
+}
+
+TEST(Info, NamesDevicesVersionsAndKeys) {
+    const ScratchFolder scratch;
+    const auto info = run_dapple(scratch, {"info"});
+    EXPECT_EQ(info.code, 0);
+    for (const char* expected : {"dapple ", "embree ", "device ", "Vulkan 1.3", "colour ", "avx2"}) {
+        EXPECT_THAT(info.output, HasSubstr(expected));
+    }
+    const auto keys = run_dapple(scratch, {"info", "--keys"});
+    EXPECT_EQ(keys.code, 0);
+    EXPECT_THAT(keys.output, HasSubstr("resolution"));
+}
+
+}  // namespace
+}  // namespace dapple::end_to_end
