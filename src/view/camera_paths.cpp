@@ -125,7 +125,7 @@ std::vector<Path> LayerTracer::start_paths(std::size_t tile) const {
     const int left = static_cast<int>(tile % static_cast<std::size_t>(tiles_across_)) * kTileSize;
     const int top = static_cast<int>(tile / static_cast<std::size_t>(tiles_across_)) * kTileSize;
     std::vector<Path> paths;
-    paths.reserve(kTileSize * kTileSize);
+    paths.reserve(std::size_t{kTileSize} * kTileSize);
     for (int block_y = top; block_y < top + kTileSize; block_y += kPacketHeight) {
         for (int block_x = left; block_x < left + kTileSize; block_x += kPacketWidth) {
             for (int y = block_y; y < std::min(block_y + kPacketHeight, layer_.height); ++y) {
