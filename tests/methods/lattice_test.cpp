@@ -44,7 +44,7 @@ TEST(Lattice, SharesPassSmoothlyFromOneBasisToTheOther) {
     // Skews on both sides of the tie: the share of the kernel on {(1, 0), (skew, 2)} against {(1, 0), (skew -
     // 1, 2)}.
     double last = 1;
-    for (double skew = 0.3; skew < 0.7; skew += 0.001) {
+    for (double skew = 0.2; skew < 0.8; skew += 0.001) {
         const ReducedLattice lattice = reduce_lattice({1, 0}, {static_cast<float>(skew), 2}, glm::mat2(1));
         double share = 0;
         for (int b = 0; b < lattice.count; ++b) {

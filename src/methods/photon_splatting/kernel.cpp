@@ -9,6 +9,12 @@ namespace {
 constexpr float kSmallestSpacing = 0.01f;  // pixels
 constexpr float kSmallestBox = 0.002f;     // of the support; below, the box changes less than round-off does
 
+/// Length in pixels along the nearer axis of the picture: a box of extent 1 sums to the same over rows (or
+/// columns) of pixels wherever it lies, also when it runs obliquely.
+float extent(glm::vec2 vector) {
+    return std::max(std::abs(vector.x), std::abs(vector.y));
+}
+
 /// Half-width of the box in units of the lattice vector.
 float half_box(glm::vec2 vector, float pixels, const KernelMetric& metric) {
     const float pixel = std::clamp(2 - pixels, 0.0f, 1.0f) / pixels;
@@ -52,8 +58,8 @@ PlaneKernel widened_kernel(const LatticeBasis& basis, const KernelMetric& metric
         first = glm::vec2(-second.y, second.x) * (kSmallestSpacing / second_length);
         kernel.first = glm::inverse(metric.pixel_from_plane) * first;
     }
-    widen(kernel.first, kernel.box_first, glm::length(first), metric);
-    widen(kernel.second, kernel.box_second, second_length, metric);
+    widen(kernel.first, kernel.box_first, extent(first), metric);
+    widen(kernel.second, kernel.box_second, extent(second), metric);
     return kernel;
 }
 

@@ -10,7 +10,7 @@ namespace {
 // Euclid's algorithm on floats: quotients beyond this many steps are below round-off.
 constexpr int kMostSteps = 40;
 // A basis gets a share where the least term (see below) is more than this part of its own.
-constexpr float kSharedFrom = 0.5f;
+constexpr float kSharedFrom = 0.4f;
 
 float product(glm::vec2 a, glm::vec2 b, const glm::mat2& metric) {
     return glm::dot(a, metric * b);

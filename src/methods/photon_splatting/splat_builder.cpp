@@ -1,7 +1,9 @@
 #include "methods/photon_splatting/splat_builder.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
 #include "base/parallel.h"
 #include "light/grid_blocks.h"
@@ -20,6 +22,11 @@ constexpr float kLeastViewCosine = 1e-4f;
 // Receivers within this share of the kernel's half-extent of the tangent plane are on the same surface: the
 // sagitta of a kernel as large as half the radius of curvature.
 constexpr float kPlaneTolerance = 0.25f;
+
+// As in splat_fragment.glsl.
+constexpr float kSmallestNormalCosine = 0.7f;
+// Steps between neighbours by which a plane may lie behind what a ray hit and still form a corner with it.
+constexpr float kCornerReach = 2;
 
 class Builder {
 public:
@@ -45,24 +52,76 @@ public:
                                    (mesh.event == light::Event::transmission ? water.refractive_index : 1.0));
     }
 
+    /// The splat of photon i where it lands, and on the planes of neighbours that landed on other faces.
     void build(std::size_t i, std::vector<layout::Splat>& points, std::vector<layout::Splat>& quads,
                std::size_t& without_footprint) const {
-        const float depth = landings_.depth[i];
-        if (!std::isfinite(depth)) return;
-        const glm::vec3 slope = mesh_.slope[i], normal = landings_.normal[i];
+        if (!(mesh_.flux[i] > 0)) return;
+        const bool landed = std::isfinite(landings_.depth[i]);
+        std::array<std::size_t, 5> faces{};
+        std::size_t count = 0;
+        if (landed) {
+            faces[count++] = i;
+            if (!emit(i, landings_.depth[i], landings_.normal[i], points, quads)) ++without_footprint;
+        }
+        const std::size_t row = i / columns_, column = i % columns_;
+        const std::array<std::pair<bool, std::size_t>, 4> neighbors = {{{column > 0, i - 1},
+                                                                        {column + 1 < columns_, i + 1},
+                                                                        {row > 0, i - columns_},
+                                                                        {row + 1 < rows_, i + columns_}}};
+        for (const auto& [present, j] : neighbors) {
+            if (!present || !std::isfinite(landings_.depth[j])) continue;
+            const bool known = std::any_of(faces.begin(), faces.begin() + static_cast<std::ptrdiff_t>(count),
+                                           [&, face = j](std::size_t k) { return same_face(face, k); });
+            float depth;
+            if (known || !reaches(i, j, depth)) continue;
+            faces[count++] = j;
+            emit(i, depth, landings_.normal[j], points, quads);
+        }
+    }
+
+private:
+    glm::vec3 landing(std::size_t i) const { return mesh_.origin[i] + landings_.depth[i] * mesh_.slope[i]; }
+
+    /// Whether a splat of one lights receivers about the other: what the fragment shader asks of a receiver.
+    bool same_face(std::size_t j, std::size_t k) const {
+        if (j == k) return true;
+        if (glm::dot(landings_.normal[j], landings_.normal[k]) < kSmallestNormalCosine) return false;
+        const glm::vec3 step = landing(k) - landing(j);
+        return std::abs(glm::dot(landings_.normal[j], step)) <= kPlaneTolerance * glm::length(step);
+    }
+
+    /// Depth at which ray i meets the plane that its neighbour j landed on. False where i was stopped well
+    /// before: there it lies in shadow. A plane shortly behind what i hit is the other side of a concave
+    /// corner. Neighbours past the edge of a face so take part in the lattice on it, and the sum of kernels
+    /// is one up to the edge.
+    bool reaches(std::size_t i, std::size_t j, float& depth) const {
+        const glm::vec3 normal = landings_.normal[j];
+        const float own = glm::dot(normal, mesh_.slope[i]), other = glm::dot(normal, mesh_.slope[j]);
+        if (!(own < kLeastRelativeCosine * other)) return false;  // both are negative
+        const glm::vec3 level =
+            (mesh_.origin[i] - mesh_.origin[j]) + landings_.depth[j] * (mesh_.slope[i] - mesh_.slope[j]);
+        depth = landings_.depth[j] - glm::dot(normal, level) / own;
+        if (depth < mesh_.start[i]) return false;
+        const float behind = (depth - landings_.depth[i]) * glm::length(mesh_.slope[i]);
+        return !(behind > kCornerReach * glm::length(level));
+    }
+
+    /// Adds the splats of ray i on the plane at `depth`; false where no neighbour spans a footprint.
+    bool emit(std::size_t i, float depth, glm::vec3 normal, std::vector<layout::Splat>& points,
+              std::vector<layout::Splat>& quads) const {
+        const glm::vec3 slope = mesh_.slope[i];
         const glm::vec3 point = mesh_.origin[i] + depth * slope;
         glm::vec2 pixel;
         glm::vec3 gradient_x, gradient_y;
-        if (!picture_.at(point, pixel, gradient_x, gradient_y)) return;
+        if (!picture_.at(point, pixel, gradient_x, gradient_y)) return true;
         const glm::vec3 to_camera = picture_.to_camera(point);
-        if (glm::dot(normal, to_camera) < kLeastViewCosine * glm::length(to_camera)) return;
+        if (glm::dot(normal, to_camera) < kLeastViewCosine * glm::length(to_camera)) return true;
 
         glm::vec3 along_columns, along_rows;
         const std::size_t row = i / columns_, column = i % columns_;
         if (!difference(i, column > 0, column + 1 < columns_, 1, depth, normal, along_columns) ||
             !difference(i, row > 0, row + 1 < rows_, columns_, depth, normal, along_rows)) {
-            ++without_footprint;
-            return;
+            return false;
         }
 
         const glm::vec3 right =
@@ -108,9 +167,9 @@ public:
             const bool small = 2 * std::max(splat.half_size.x, splat.half_size.y) <= largest_point_;
             (small ? points : quads).push_back(splat);
         }
+        return true;
     }
 
-private:
     /// The step to the next ray along the grid on the tangent plane: half the way between both neighbours, or
     /// the way to the one there is.
     bool difference(std::size_t i, bool has_before, bool has_after, std::size_t stride, float depth,
