@@ -1,6 +1,7 @@
 #include "image/code_values.h"
 
 #include <cassert>
+#include <cmath>
 #include <limits>
 
 #include "base/parallel.h"
@@ -22,7 +23,7 @@ std::vector<Code> to_codes(const Image& graded) {
             for (std::size_t i = begin; i < end; ++i) {
                 // NaN fails both comparisons of this order and comes out as 0.
                 const float held = values[i] > 0 ? (values[i] < 1 ? values[i] : 1.0f) : 0.0f;
-                codes[3 * i + c] = static_cast<Code>(held * largest + 0.5f);
+                codes[3 * i + c] = static_cast<Code>(std::floor(held * largest + 0.5f));
             }
         }
     });

@@ -88,7 +88,7 @@ Imf::Header header_of(const Image& image, const ExrOptions& options) {
     }
     if (options.fps_numerator != 0) {
         Imf::addFramesPerSecond(header, Imf::Rational(static_cast<int>(options.fps_numerator),
-                                                      static_cast<unsigned>(options.fps_denominator)));
+                                                      static_cast<int>(options.fps_denominator)));
     }
     for (const auto& [name, text] : image.metadata) header.insert(name, Imf::StringAttribute(text));
     for (const Channel& channel : image.channels) {
@@ -269,6 +269,10 @@ Image decode_exr(std::span<const std::byte> bytes, const std::string& name) {
 
 Image read_exr(const std::string& path) {
     return decode_exr(read_whole_file(path), path);
+}
+
+bool exr_holds(std::span<const std::byte> bytes, const Image& image, const std::string& name) {
+    return same_pixels(image, store(image), decode_exr(bytes, name));
 }
 
 WrittenExr write_exr_verified(const std::string& path, const Image& image, const ExrOptions& options) {

@@ -30,7 +30,7 @@ inline constexpr Chromaticities kAcesCgChromaticities{
 struct ExrOptions {
     /// Of the working space, for scene-linear files; none for display-referred ones.
     std::optional<Chromaticities> chromaticities;
-    std::int64_t fps_numerator = 0;  ///< 0: no `framesPerSecond`
+    std::int64_t fps_numerator = 0;  ///< 0: no `framesPerSecond`; both must fit 32 bits
     std::int64_t fps_denominator = 1;
     /// zlib's effort, 1 (fast) to 9. Changes the bytes of the file, never the pixels.
     int zip_level = 1;
@@ -66,6 +66,10 @@ EncodedExr encode_exr(const Image& image, const ExrOptions& options = {});
 /// taken.
 Image decode_exr(std::span<const std::byte> bytes, const std::string& name);
 Image read_exr(const std::string& path);
+
+/// Whether a file holds exactly what `encode_exr` stores of `image`: size, channels, types and every bit of
+/// the pixels. Throws Error(input_unreadable) like `decode_exr`.
+bool exr_holds(std::span<const std::byte> bytes, const Image& image, const std::string& name);
 
 struct WrittenExr {
     std::uint64_t bytes = 0;

@@ -92,8 +92,10 @@ Texture::Level Texture::halved(const Level& finer) {
     Level level{std::max(1, finer.width / 2), std::max(1, finer.height / 2), {}};
     const auto width = static_cast<std::size_t>(level.width);
     level.rgb.resize(3 * width * static_cast<std::size_t>(level.height));
-    std::vector<Cover> columns;
-    for (int x = 0; x < level.width; ++x) columns.push_back(cover_of(x, finer.width, level.width));
+    std::vector<Cover> columns(width);
+    for (int x = 0; x < level.width; ++x) {
+        columns[static_cast<std::size_t>(x)] = cover_of(x, finer.width, level.width);
+    }
 
     parallel_for(static_cast<std::size_t>(level.height), kTileRows, [&](std::size_t begin, std::size_t end) {
         for (std::size_t y = begin; y < end; ++y) {

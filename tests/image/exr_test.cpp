@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <bit>
+#include <functional>
 #include <limits>
 
 #include "base/error.h"
@@ -159,6 +160,26 @@ TEST(Exr, VerifiedFileHoldsTheEncodedBytes) {
     EXPECT_EQ(written.content_hash, content_hash(bytes.data(), bytes.size()));
     EXPECT_EQ(read_exr(folder / "a.exr").find("E.G")->values, picture.find("E.G")->values);
     EXPECT_THAT(folder.names(), ElementsAre("a.exr"));
+}
+
+// The comparison behind every verified write sees the smallest difference.
+TEST(Exr, HoldsItsOwnImageOnly) {
+    const Image picture = sample_image(20, 10);
+    const auto bytes = encode_exr(picture).bytes;
+    EXPECT_TRUE(exr_holds(bytes, picture, "memory"));
+    const auto holds_changed = [&](const std::function<void(Image&)>& change) {
+        Image other = picture;
+        change(other);
+        return exr_holds(bytes, other, "memory");
+    };
+    EXPECT_FALSE(holds_changed(
+        [](Image& i) { i.find("Z")->values[199] = std::nextafter(i.find("Z")->values[199], 1e9f); }));
+    EXPECT_FALSE(holds_changed([](Image& i) { i.find("R")->values[0] += 0x1p-10f; }));
+    EXPECT_TRUE(holds_changed([](Image& i) { i.find("R")->values[0] = 0.2f + 0x1p-20f; }));  // the same half
+    EXPECT_FALSE(holds_changed([](Image& i) { i.find("Z")->name = "depth"; }));
+    EXPECT_FALSE(holds_changed([](Image& i) { i.channels.pop_back(); }));
+    EXPECT_FALSE(holds_changed([](Image& i) { i.find("R")->type = PixelType::float32; }));
+    EXPECT_FALSE(holds_changed([](Image& i) { std::swap(i.width, i.height); }));
 }
 
 TEST(Exr, UnwritableFolderIsAnOutputError) {
