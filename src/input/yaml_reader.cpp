@@ -37,11 +37,19 @@ public:
 
     Place place(int line, int byte_column) const {
         const std::size_t index = std::min(static_cast<std::size_t>(line), starts_.size() - 1);
-        const std::string_view before = text_.substr(starts_[index], static_cast<std::size_t>(byte_column));
-        const auto characters = std::count_if(before.begin(), before.end(), [](char c) {
+        const auto bytes = static_cast<std::size_t>(byte_column);
+        // Marks mostly come in order, so counting on from the last one keeps very long lines cheap.
+        if (index != counted_line_ || bytes < counted_bytes_) {
+            counted_line_ = index;
+            counted_bytes_ = characters_ = 0;
+        }
+        const std::string_view between =
+            text_.substr(std::min(starts_[index] + counted_bytes_, text_.size()), bytes - counted_bytes_);
+        characters_ += static_cast<std::size_t>(std::count_if(between.begin(), between.end(), [](char c) {
             return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U;  // not a continuation byte of UTF-8
-        });
-        return {text_index_, static_cast<int>(index) + 1, static_cast<int>(characters) + 1};
+        }));
+        counted_bytes_ = bytes;
+        return {text_index_, static_cast<int>(index) + 1, static_cast<int>(characters_) + 1};
     }
     Place place(const YAML::Mark& mark) const { return place(mark.line, mark.column); }
     /// Behind the last character that is no blank.
@@ -72,6 +80,10 @@ private:
     std::string_view text_;
     int text_index_;
     std::vector<std::size_t> starts_;  // byte of each line's first character
+    // Characters in the first bytes of the line of the last place.
+    mutable std::size_t counted_line_ = 0;
+    mutable std::size_t counted_bytes_ = 0;
+    mutable std::size_t characters_ = 0;
 };
 
 /// Length of the well-formed UTF-8 sequence at `text[i]` (Unicode 15, table 3-7), 0 where there is none.
@@ -362,11 +374,11 @@ YamlDocument read_yaml(std::string_view text, int text_index) {
     } catch (const YAML::Exception& error) {
         const auto tab = lines.tab_in_indentation(error.mark.line);
         Place place = tab ? *tab : lines.place(error.mark);
-        // A bracket that is still open at the end of the text is found there, at whatever mark.
+        // A bracket that is still open at the end of the text is found there, with a mark at the line's
+        // begin.
         const bool open_bracket =
             error.msg == YAML::ErrorMsg::END_OF_SEQ_FLOW || error.msg == YAML::ErrorMsg::END_OF_MAP_FLOW;
-        if (const Place end = lines.end();
-            open_bracket && ((place.line == 1 && place.column == 1) || place.line > end.line))
+        if (const Place end = lines.end(); open_bracket && place.line >= end.line && place.column == 1)
             place = end;
         document.faults.push_back(
             {place, "", clear_text(tab ? YAML::ErrorMsg::TAB_IN_INDENTATION : error.msg)});
