@@ -142,6 +142,32 @@ TEST(CausticMap, PointLightSendsTheSolidAngleOfTheWater) {
     EXPECT_NEAR(total_flux(meshes[0]) + total_flux(meshes[1]), 4 * glm::pi<double>() / 6, 1e-5);
 }
 
+TEST(CausticMap, ASpotIsAPointLightInsideItsConeAndNothingOutside) {
+    scene::FrameScene scene = test::water_scene({4, 4});
+    scene::Light lamp;
+    lamp.name = "lamp";
+    lamp.type = scene::LightType::point;
+    lamp.position = {0, 2, 0};
+    scene.state.lights = {lamp};
+    test::add_water(scene, {}, 16, 16);
+    const BeamMesh point = trace(scene, 128, {Event::transmission})[0];
+    scene.state.lights[0].type = scene::LightType::spot;
+    scene.state.lights[0].cone_angle = 0.5;
+    scene.state.lights[0].falloff_angle = 0.1;
+    const BeamMesh spot = trace(scene, 128, {Event::transmission})[0];
+    for (std::size_t i = 0; i < spot.vertices(); ++i) {
+        const glm::dvec3 p = glm::dvec3(spot.origin[i] + spot.start[i] * spot.slope[i]);
+        const double angle = std::atan(std::hypot(p.x, p.z) / 2);
+        if (angle < 0.399) {
+            ASSERT_EQ(spot.flux[i], point.flux[i]);
+        } else if (angle > 0.501) {
+            ASSERT_EQ(spot.flux[i], 0);
+        } else {
+            ASSERT_LE(spot.flux[i], point.flux[i]);
+        }
+    }
+}
+
 TEST(CausticMap, ALightUnderWaterIsReflectedTotallyBeyondTheCriticalAngle) {
     scene::FrameScene scene = test::water_scene({8, 8});
     scene::Light lamp;

@@ -193,7 +193,7 @@ TEST(PhotonSplatting, FlatWaterComesOutFlatUpToTheEdgesOfSurfaces) {
     // A box on the floor that pierces the surface, met by light that travels along +x: the corner of floor
     // and wall at x = 0.5; or one under water: the edge of its top at x = -0.5.
     for (const bool corner : {true, false}) {
-        scene::FrameScene scene = flat_pool(30, 300);
+        scene::FrameScene scene = flat_pool(30, 270);
         scene.state.lights[0].direction = {0.5, -std::sqrt(0.75), 0};
         scene.state.water->absorption = {0, 0, 0};
         scene::Object box;

@@ -119,7 +119,7 @@ struct SplatRenderer::State {
         gpu::Targets targets;
         std::vector<const gpu::Image*> receivers;
         for (LayerImages& layer : images) {
-            passes.copy("receivers up", layer.staging, layer.receivers);
+            passes.copy("splatting", layer.staging, layer.receivers);
             targets.colors.push_back(&layer.irradiance);
             receivers.push_back(&layer.receivers);
         }
@@ -136,7 +136,7 @@ struct SplatRenderer::State {
         for (gpu::Buffer& buffer : points) add(four ? points_4 : points_1, buffer, count(buffer));
         for (gpu::Buffer& buffer : quads)
             add(four ? quads_4 : quads_1, buffer, kVerticesPerQuad * count(buffer));
-        for (LayerImages& layer : images) passes.copy("irradiance down", layer.irradiance, layer.staging);
+        for (LayerImages& layer : images) passes.copy("splatting", layer.irradiance, layer.staging);
     }
 
     gpu::Device& device;
