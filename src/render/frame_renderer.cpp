@@ -70,8 +70,8 @@ public:
         : kept_(kept),
           stats_(stats),
           method_(kept.method(state.caustics.method)),
-          plan_(make_plan(state, method_)),
           scene_(build_scene(state)),
+          plan_(make_plan(scene_, method_)),
           rays_(build_rays()),
           context_{scene_, rays_, kept.device, stats, plan_.chains},
           film_(state.clip.width, state.clip.height, state.clip.samples, state.sky) {}
@@ -86,6 +86,7 @@ public:
         RenderedFrame frame;
         const ScopedPass pass(stats_, "film");
         frame.linear = film_.finish(frame.non_finite);
+        frame.plan = std::move(plan_.lines);
         return frame;
     }
 
@@ -152,8 +153,8 @@ private:
     Kept& kept_;
     FrameStats& stats_;
     methods::CausticMethod& method_;
-    Plan plan_;
     scene::FrameScene scene_;
+    Plan plan_;
     rays::RayScene rays_;
     methods::FrameContext context_;
     Film film_;
@@ -169,7 +170,7 @@ FrameRenderer::FrameRenderer(gpu::Device& device) : state_(new State{{device, {}
 FrameRenderer::~FrameRenderer() = default;
 
 std::vector<PlanLine> FrameRenderer::plan(const scene::FrameState& state) {
-    return make_plan(state, state_->kept.method(state.caustics.method)).lines;
+    return make_plan(state_->kept.builder.build(state), state_->kept.method(state.caustics.method)).lines;
 }
 
 RenderedFrame FrameRenderer::render(const scene::FrameState& state, FrameStats& stats) {

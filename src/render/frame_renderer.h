@@ -27,6 +27,7 @@ struct NonFinite {
 struct RenderedFrame {
     image::Image linear;  ///< the layers of CONVENTIONS.md, float, scene-linear
     NonFinite non_finite;
+    std::vector<PlanLine> plan;  ///< what was run, as by FrameRenderer::plan
 };
 
 /// Renders single frames: builds the FrameScene, plans the passes that it needs, runs them, composes. The
@@ -38,6 +39,7 @@ public:
     explicit FrameRenderer(gpu::Device& device);
     ~FrameRenderer();
 
+    /// Builds the scene of the frame, traces nothing.
     std::vector<PlanLine> plan(const scene::FrameState& state);
     RenderedFrame render(const scene::FrameState& state, FrameStats& stats);
     /// Estimated peak memory of a frame in bytes, without loading anything large.

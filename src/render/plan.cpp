@@ -1,24 +1,30 @@
 #include "render/plan.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <limits>
-#include <optional>
 
 #include "scene/transform.h"
 
 namespace dapple::render {
 namespace {
 
-/// Range of heights that an object may take up; unknown for a mesh until it is read.
+/// Range of heights that an object takes up.
 struct Heights {
     double lowest;
     double highest;
 };
 
-Heights object_heights(const scene::Object& object) {
-    constexpr double infinite = std::numeric_limits<double>::infinity();
-    if (object.shape == scene::Shape::mesh) return {-infinite, infinite};
+Heights object_heights(const scene::Object& object, const scene::TriangleMesh* mesh) {
     const glm::dmat4 world_from_object = scene::world_from_object(object.transform);
+    if (mesh) {
+        Heights heights{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+        for (const glm::dvec3& position : mesh->positions) {
+            const double height = (world_from_object * glm::dvec4(position, 1)).y;
+            heights = {std::min(heights.lowest, height), std::max(heights.highest, height)};
+        }
+        return heights;
+    }
     glm::dvec3 half = 0.5 * object.size;
     if (object.shape == scene::Shape::plane) half.y = 0;
     if (object.shape == scene::Shape::sphere) half = glm::dvec3(object.radius);
@@ -29,14 +35,6 @@ Heights object_heights(const scene::Object& object) {
 
 bool light_above_water(const scene::Light& light) {
     return light.type == scene::LightType::sun || light.position.y > 0;
-}
-
-/// A bound on the height of the waves that needs no mesh; infinite where only the mesh knows.
-double wave_bound(const scene::Water& water) {
-    if (water.surface.type != scene::WaterSurfaceType::waves) return std::numeric_limits<double>::infinity();
-    double bound = 0;
-    for (const scene::Wave& wave : water.surface.waves.waves) bound += std::abs(wave.amplitude);
-    return bound;
 }
 
 bool inside(const scene::Extent& extent, glm::dvec3 position) {
@@ -51,9 +49,10 @@ const char* event_name(light::Event event) {
 
 class Planner {
 public:
-    Planner(const scene::FrameState& state, const methods::CausticMethod& method)
-        : state_(state),
-          support_(method.supports_surface(state)),
+    Planner(const scene::FrameScene& scene, const methods::CausticMethod& method)
+        : scene_(scene),
+          state_(scene.state),
+          support_(method.supports_surface(scene.state)),
           serves_behind_specular_(method.serves_behind_specular()) {}
 
     Plan make() {
@@ -84,11 +83,26 @@ private:
         plan_.lines.push_back({pass, runs ? "yes" : "no", reason});
     }
 
+    std::string water_mesh() const {
+        const scene::WaterMesh& water = *scene_.water;
+        std::string text = std::to_string(water.mesh.triangles.size()) + " triangles";
+        if (water.cells_per_shortest_wave > 0) {
+            char cells[32];
+            std::snprintf(cells, sizeof cells, ", %.1f cells", water.cells_per_shortest_wave);
+            text += std::string(cells) + " a shortest wave";
+        }
+        if (water.capped) text += ", capped: finer waves want mesh_cells";
+        if (water.folded_vertices > 0) {
+            text += ", folded over itself at " + std::to_string(water.folded_vertices) + " vertices";
+        }
+        return text;
+    }
+
     void find_reach() {
         if (!state_.water) return;
-        const double bound = wave_bound(*state_.water);
-        for (const scene::Object& object : state_.objects) {
-            const Heights heights = object_heights(object);
+        const double bound = scene_.water->largest_height;
+        for (std::size_t i = 0; i < state_.objects.size(); ++i) {
+            const Heights heights = object_heights(state_.objects[i], scene_.object_meshes[i].get());
             receivers_below_ |= heights.lowest < bound;
             receivers_above_ |= heights.highest > -bound;
         }
@@ -140,6 +154,7 @@ private:
             "sun's disc as seen by the camera, occlusion of the sky term");
     }
 
+    const scene::FrameScene& scene_;
     const scene::FrameState& state_;
     const methods::Support support_;
     const bool serves_behind_specular_;
@@ -152,8 +167,8 @@ private:
 
 }  // namespace
 
-Plan make_plan(const scene::FrameState& state, const methods::CausticMethod& method) {
-    return Planner(state, method).make();
+Plan make_plan(const scene::FrameScene& scene, const methods::CausticMethod& method) {
+    return Planner(scene, method).make();
 }
 
 }  // namespace dapple::render

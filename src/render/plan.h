@@ -4,11 +4,11 @@
 #include "light/beam_mesh.h"
 #include "methods/caustic_method.h"
 #include "render/frame_renderer.h"
-#include "scene/frame_state.h"
+#include "scene/frame_scene.h"
 
 namespace dapple::render {
 
-/// What a frame needs, decided from its state alone, before anything is built or traced.
+/// What a frame needs, decided from its scene before anything is traced.
 struct Plan {
     bool water = false;
     bool caustics = false;             ///< there is a chain to trace
@@ -19,6 +19,6 @@ struct Plan {
     std::vector<PlanLine> lines;  ///< what --plan prints
 };
 
-Plan make_plan(const scene::FrameState& state, const methods::CausticMethod& method);
+Plan make_plan(const scene::FrameScene& scene, const methods::CausticMethod& method);
 
 }  // namespace dapple::render

@@ -31,6 +31,15 @@ const render::PlanLine& line(const render::Plan& plan, const std::string& pass) 
     throw std::runtime_error("no line " + pass);
 }
 
+/// The scene of a state over flat water: what the plan looks at.
+scene::FrameScene scene_of(const scene::FrameState& state) {
+    scene::FrameScene scene;
+    scene.state = state;
+    if (state.water) scene.water = std::make_shared<scene::WaterMesh>();
+    scene.object_meshes.resize(state.objects.size());
+    return scene;
+}
+
 scene::FrameState pool() {
     scene::FrameState state = test::pool_over_floor(4, 2, 1, 8);
     state.lights = {test::sun_from_zenith(20)};
@@ -40,7 +49,7 @@ scene::FrameState pool() {
 TEST(Plan, NoWaterNoCaustics) {
     scene::FrameState state = pool();
     state.water.reset();
-    const render::Plan plan = render::make_plan(state, TellingMethod(true));
+    const render::Plan plan = render::make_plan(scene_of(state), TellingMethod(true));
     EXPECT_TRUE(plan.chains.empty());
     EXPECT_FALSE(plan.caustics);
     EXPECT_FALSE(plan.flat_water_stand_in);
@@ -49,23 +58,23 @@ TEST(Plan, NoWaterNoCaustics) {
 
 TEST(Plan, ReflectedLightIsTracedOnlyWhereSomethingStandsAboveTheWater) {
     scene::FrameState state = pool();
-    const render::Plan below = render::make_plan(state, TellingMethod(true));
+    const render::Plan below = render::make_plan(scene_of(state), TellingMethod(true));
     ASSERT_EQ(below.chains.size(), 1u);
     EXPECT_EQ(below.chains[0].event, light::Event::transmission);
     EXPECT_EQ(line(below, "sun > water:R").decision, "no");
     state.objects.push_back(test::level_plane("ceiling", 3, 5));
-    EXPECT_EQ(render::make_plan(state, TellingMethod(true)).chains.size(), 2u);
+    EXPECT_EQ(render::make_plan(scene_of(state), TellingMethod(true)).chains.size(), 2u);
 }
 
 TEST(Plan, AMethodOfDirectViewsNeedsOnlyTheCamerasSideOfTheWater) {
     scene::FrameState state = pool();
     state.objects.push_back(test::level_plane("ceiling", 3, 5));
-    const render::Plan plan = render::make_plan(state, TellingMethod(false));
+    const render::Plan plan = render::make_plan(scene_of(state), TellingMethod(false));
     ASSERT_EQ(plan.chains.size(), 1u);
     EXPECT_EQ(plan.chains[0].event, light::Event::transmission);
     state.camera.position = {0, 1, 0};
     state.camera.target = {0, 2, 0};
-    const render::Plan above = render::make_plan(state, TellingMethod(false));
+    const render::Plan above = render::make_plan(scene_of(state), TellingMethod(false));
     ASSERT_EQ(above.chains.size(), 1u);
     EXPECT_EQ(above.chains[0].event, light::Event::reflection);
 }
@@ -74,14 +83,14 @@ TEST(Plan, LightsUnderWaterTransmitUpwards) {
     scene::FrameState state = pool();
     state.lights[0].type = scene::LightType::point;
     state.lights[0].position = {0, -1, 0};
-    const render::Plan plan = render::make_plan(state, TellingMethod(true));
+    const render::Plan plan = render::make_plan(scene_of(state), TellingMethod(true));
     ASSERT_EQ(plan.chains.size(), 1u);
     EXPECT_EQ(plan.chains[0].event, light::Event::reflection);
 }
 
 TEST(Plan, RepeatsTheMethodsOwnWord) {
     const render::PlanLine& said =
-        line(render::make_plan(pool(), TellingMethod(true)), "caustics: photon_splatting");
+        line(render::make_plan(scene_of(pool()), TellingMethod(true)), "caustics: photon_splatting");
     EXPECT_EQ(said.decision, "partly");
     EXPECT_EQ(said.reason, "the reason");
 }
