@@ -184,6 +184,7 @@ std::vector<BeamMesh> CausticMapper::trace(const scene::FrameScene& scene, const
     const scene::Light& light = scene.state.lights[static_cast<std::size_t>(light_index)];
     const MapPlan plan = plan_map(scene, light_index, resolution);
     std::vector<BeamMesh> meshes;
+    meshes.reserve(events.size());
     for (const Event event : events) meshes.push_back(empty_mesh(scene, plan, light_index, event));
     if (!plan.lit || meshes.empty()) return meshes;
 
