@@ -11,8 +11,6 @@
 
 #include "base/error.h"
 
-extern char** environ;
-
 namespace dapple::run {
 
 EncoderProcess::EncoderProcess(const std::vector<std::string>& arguments) {

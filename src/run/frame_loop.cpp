@@ -68,6 +68,10 @@ public:
         }
         save();  // shows that the folder can be written before time is spent
         tidy_stats(paths_.stats(), manifest_.frames);
+        if (!other_tools_.empty()) {
+            reporter_.warning("frames in " + options_.folder + " were made with other versions (" +
+                              other_tools_ + "); new ones may differ from them in the last bits");
+        }
         warn_of_full_disk();
         reporter_.run_started(options_.folder, options_.frames.frames().size());
         try {
@@ -94,6 +98,7 @@ private:
             }
             manifest_ = std::move(*known);
         }
+        other_tools_ = manifest_.frames.empty() ? "" : differences(job_.provenance, manifest_.provenance);
         manifest_.job_hash = job_.hash();
         manifest_.clip = job_.clip;
         manifest_.parts = job_.parts;
@@ -284,6 +289,8 @@ private:
     Reporter& reporter_;
     const OutputPaths paths_;
     Manifest manifest_;
+    std::string
+        other_tools_;  ///< in which the machine differs from the one that made the frames in the manifest
     bool complete_ = false;
 };
 

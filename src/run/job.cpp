@@ -15,7 +15,11 @@ namespace dapple::run {
 
 std::string Job::hash() const {
     std::string text;
-    for (const auto& [name, value] : parts) text += name + '\0' + value + '\0';
+    for (const auto& [name, value] : parts) {
+        // With the zeros at their ends, so that no letter can move from one to the next.
+        text.append(name.c_str(), name.size() + 1);
+        text.append(value.c_str(), value.size() + 1);
+    }
     return content_hash(text);
 }
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cerrno>
+#include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <memory>
@@ -42,12 +43,17 @@ std::vector<unsigned char> rgb24(const image::Image& picture, const std::string&
             const std::size_t pixel = row * static_cast<std::size_t>(picture.width) + column;
             for (const image::Channel* channel : channels) {
                 const float value = std::clamp(channel->values[pixel], 0.0F, 1.0F);
-                bytes.push_back(static_cast<unsigned char>(value * 255.0F + 0.5F));
+                bytes.push_back(static_cast<unsigned char>(std::lround(value * 255.0F)));
             }
         }
     }
     return bytes;
 }
+
+/// BT.709 in limited range, and tagged so.
+constexpr const char* kFilters =
+    "scale=out_color_matrix=bt709:out_range=tv,format=yuv420p,"
+    "setparams=color_primaries=bt709:color_trc=bt709:colorspace=bt709:range=tv";
 
 std::vector<std::string> encoder_arguments(const PreviewRequest& request, int width, int height,
                                            const std::string& output) {
@@ -58,12 +64,9 @@ std::vector<std::string> encoder_arguments(const PreviewRequest& request, int wi
             // What comes in: full-range R'G'B'.
             "-f", "rawvideo", "-pix_fmt", "rgb24", "-video_size", size, "-framerate", rate, "-i", "pipe:0",
             // What goes out, converted and tagged alike.
-            "-vf",
-            "scale=out_color_matrix=bt709:out_range=tv,format=yuv420p,"
-            "setparams=color_primaries=bt709:color_trc=bt709:colorspace=bt709:range=tv",
-            "-c:v", "libx264", "-crf", "16", "-threads", "2", "-color_primaries", "bt709", "-color_trc",
-            "bt709", "-colorspace", "bt709", "-color_range", "tv", "-movflags", "+faststart", "-fflags",
-            "+bitexact", "-flags:v", "+bitexact", "-f", "mp4", "file:" + output};
+            "-vf", kFilters, "-c:v", "libx264", "-crf", "16", "-threads", "2", "-color_primaries", "bt709",
+            "-color_trc", "bt709", "-colorspace", "bt709", "-color_range", "tv", "-movflags", "+faststart",
+            "-fflags", "+bitexact", "-flags:v", "+bitexact", "-f", "mp4", "file:" + output};
 }
 
 /// A name that remove_stale_temporaries() knows.

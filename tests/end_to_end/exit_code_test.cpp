@@ -100,6 +100,9 @@ TEST_F(ExitCode, Of5IsAnUnwritableOutput) {
     expect_failure(below_file, 5, "file/out");
     EXPECT_EQ(file_text(scratch / "file"), "text");
 
+    expect_failure(render({"--log-json", scratch / "no folder/log"}), 5, "no folder/log");
+    expect_nothing_written();
+
     // A disk that is full in the middle of a frame: files end at 8 KiB.
     const auto full = run_program({"bash", "-c", "ulimit -f 8; exec \"$0\" render \"$1\" -o \"$2\"",
                                    DAPPLE_PROGRAM, kSmall, scratch / "out"},

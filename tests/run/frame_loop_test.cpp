@@ -172,6 +172,17 @@ TEST_F(FrameLoopTest, ADamagedManifestIsNobodysJob) {
     EXPECT_THAT(source.rendered, ElementsAre(1));
 }
 
+TEST_F(FrameLoopTest, AnotherMachineGoesOnAndSaysSo) {
+    ASSERT_EQ(render(scratch / "out", "1"), ExitCode::done);
+    Job job = fake_job();
+    job.provenance = {{"device", "another"}};
+    ASSERT_EQ(render(scratch / "out", "1-2", Existing::verify, job), ExitCode::done);
+    EXPECT_THAT(source.rendered, ElementsAre(2));
+    EXPECT_THAT(warnings, HasSubstr("made with other versions (the device)"));
+    ASSERT_EQ(render(scratch / "out", "1-2", Existing::verify, job), ExitCode::done);
+    EXPECT_THAT(warnings, IsEmpty());
+}
+
 TEST_F(FrameLoopTest, ErrorRefusesAnyExistingFrame) {
     ASSERT_EQ(render(scratch / "out", "1-2", Existing::error), ExitCode::done);
     EXPECT_EQ(render(scratch / "out", "2-3", Existing::error), ExitCode::usage);

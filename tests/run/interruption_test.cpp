@@ -2,6 +2,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fcntl.h>
+#include <stdlib.h>
+
 #include <chrono>
 #include <random>
 #include <thread>
@@ -144,6 +147,26 @@ TEST(FullDisk, AFullStandardOutputDoesNotStopTheRendering) {
     ChildProcess child(fake_render(scratch / "out", "1-6"), "/dev/full");
     EXPECT_EQ(child.wait(), 0);
     EXPECT_THAT(pictures_in(scratch / "out"), SizeIs(12));
+}
+
+TEST(Terminal, ShowsOneUpdatingLine) {
+    const ScratchFolder scratch;
+    const int terminal = ::posix_openpt(O_RDWR | O_NOCTTY);
+    ASSERT_GE(terminal, 0);
+    ASSERT_EQ(::grantpt(terminal), 0);
+    ASSERT_EQ(::unlockpt(terminal), 0);
+    const std::string name = ::ptsname(terminal);
+    // Held open here, so that the text is not lost when the child closes its end.
+    const int held = ::open(name.c_str(), O_RDWR | O_NOCTTY);
+    ChildProcess child(fake_render(scratch / "out", "1-6"), name);
+    EXPECT_EQ(child.wait(), 0);
+    std::string text(8192, '\0');
+    text.resize(static_cast<std::size_t>(::read(terminal, text.data(), text.size())));
+    EXPECT_THAT(text, HasSubstr("\r\033[Kframe 2: "));
+    EXPECT_THAT(text, HasSubstr(" left\r\033[Kframe 3: "));
+    EXPECT_THAT(text, HasSubstr("6 of 6 done\r\n"));  // the terminal itself adds the carriage return
+    ::close(held);
+    ::close(terminal);
 }
 
 TEST(ClosedPipe, DoesNotStopTheRendering) {
