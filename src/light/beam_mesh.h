@@ -27,9 +27,10 @@ struct BeamMesh {
     /// Whether the rays travel through the water after the event.
     bool in_water() const { return from_below == (event == Event::reflection); }
     glm::dvec3 axis{0, -1,
-                    0};  ///< unit, the mesh's mean direction of travel; dot(direction, axis) > 0.1 for all
-    int rows = 0;
-    int columns = 0;
+                    0};    ///< unit, the mesh's mean direction of travel; dot(direction, axis) > 0.1 for all
+    int rows = 0;          ///< along z
+    int columns = 0;       ///< along x
+    glm::vec2 cell{0, 0};  ///< m along x and z: the rays' spacing where the light crosses the rest plane
     std::vector<glm::vec3> origin;  ///< m, relative to FrameScene::origin
     std::vector<glm::vec3> slope;   ///< m a m of depth
     std::vector<float> start;       ///< m, depth along the axis where the ray leaves the water surface

@@ -93,6 +93,7 @@ BeamMesh empty_mesh(const scene::FrameScene& scene, const MapPlan& plan, int lig
     mesh.axis = mesh_axis(light, plan.from_below, event, scene.state.water->refractive_index);
     mesh.rows = plan.rows;
     mesh.columns = plan.columns;
+    mesh.cell = glm::vec2(plan.texel);
     const std::size_t vertices = static_cast<std::size_t>(plan.rows) * static_cast<std::size_t>(plan.columns);
     mesh.origin.resize(vertices);
     mesh.slope.resize(vertices);

@@ -70,7 +70,7 @@ void PhotonSplatting::begin(FrameContext& context) {
             const Splats splats =
                 build_splats(context.scene, mesh, landings, context.device.largest_point_size());
             renderer.add(splats);
-            context.stats.count("photons without a footprint", static_cast<double>(splats.without_footprint));
+            context.stats.count("photons without neighbors", static_cast<double>(splats.without_neighbors));
         }
     }
     context.stats.count("splats", static_cast<double>(renderer.points() + renderer.quads()));

@@ -23,6 +23,14 @@ constexpr float kLeastViewCosine = 1e-4f;
 // sagitta of a kernel as large as half the radius of curvature.
 constexpr float kPlaneTolerance = 0.25f;
 
+// Neighbours further apart on the water, in cells, are on different sheets of it: a crest hides what lies
+// between.
+constexpr float kFarthestNeighbor = 4;
+
+// Pixels whose shading costs as much as what a quad costs more than a point before it is shaded (measured on
+// lavapipe, pool and sea: any value from 30 to 200 does).
+constexpr float kQuadSetup = 64;
+
 // As in splat_fragment.glsl.
 constexpr float kSmallestNormalCosine = 0.7f;
 // Steps between neighbours by which a plane may lie behind what a ray hit and still form a corner with it.
@@ -44,6 +52,7 @@ public:
         color_ = glm::vec3(sun ? light.irradiance : light.intensity);
         absorption_ = glm::vec3(water.absorption);
         light_position_ = glm::vec3(light.position - scene.origin);
+        farthest_ = kFarthestNeighbor * std::max(mesh.cell.x, mesh.cell.y);
         // Refraction into the water narrows the disc by 1/n across the plane of incidence and by more, cos(i)
         // / (n cos(t)), in it; the wider one stands for both.
         if (sun)
@@ -54,14 +63,14 @@ public:
 
     /// The splat of photon i where it lands, and on the planes of neighbours that landed on other faces.
     void build(std::size_t i, std::vector<layout::Splat>& points, std::vector<layout::Splat>& quads,
-               std::size_t& without_footprint) const {
+               std::size_t& without_neighbors) const {
         if (!(mesh_.flux[i] > 0)) return;
         const bool landed = std::isfinite(landings_.depth[i]);
         std::array<std::size_t, 5> faces{};
         std::size_t count = 0;
         if (landed) {
             faces[count++] = i;
-            if (!emit(i, landings_.depth[i], landings_.normal[i], points, quads)) ++without_footprint;
+            if (!emit(i, landings_.depth[i], landings_.normal[i], points, quads)) ++without_neighbors;
         }
         const std::size_t row = i / columns_, column = i % columns_;
         const std::array<std::pair<bool, std::size_t>, 4> neighbors = {{{column > 0, i - 1},
@@ -106,7 +115,8 @@ private:
         return !(behind > kCornerReach * glm::length(level));
     }
 
-    /// Adds the splats of ray i on the plane at `depth`; false where no neighbour spans a footprint.
+    /// Adds the splats of ray i on the plane at `depth`; false where a direction of the grid has no
+    /// neighbour.
     bool emit(std::size_t i, float depth, glm::vec3 normal, std::vector<layout::Splat>& points,
               std::vector<layout::Splat>& quads) const {
         const glm::vec3 slope = mesh_.slope[i];
@@ -119,10 +129,11 @@ private:
 
         glm::vec3 along_columns, along_rows;
         const std::size_t row = i / columns_, column = i % columns_;
-        if (!difference(i, column > 0, column + 1 < columns_, 1, depth, normal, along_columns) ||
-            !difference(i, row > 0, row + 1 < rows_, columns_, depth, normal, along_rows)) {
-            return false;
-        }
+        const bool has_row =
+            difference(i, column > 0, column + 1 < columns_, 1, depth, normal, along_columns);
+        const bool has_column = difference(i, row > 0, row + 1 < rows_, columns_, depth, normal, along_rows);
+        if (!has_row) along_columns = parallel_step(i, {mesh_.cell.x, 0, 0}, normal);
+        if (!has_column) along_rows = parallel_step(i, {0, 0, mesh_.cell.y}, normal);
 
         const glm::vec3 right =
             glm::normalize(std::abs(normal.x) < 0.7f ? glm::cross(normal, glm::vec3(1, 0, 0))
@@ -164,17 +175,22 @@ private:
             splat.tolerance =
                 kPlaneTolerance * std::max(glm::length(first), glm::length(second)) * std::abs(facing);
             if (!finite(splat)) continue;
-            const bool small = 2 * std::max(splat.half_size.x, splat.half_size.y) <= largest_point_;
-            (small ? points : quads).push_back(splat);
+            (fits_point(splat.half_size) ? points : quads).push_back(splat);
         }
-        return true;
+        return has_row && has_column;
+    }
+
+    /// A point sprite is a square, cheap to set up; a quad is just the box.
+    bool fits_point(glm::vec2 half_size) const {
+        const float side = 2 * std::max(half_size.x, half_size.y);
+        return side <= largest_point_ && side * side - 4 * half_size.x * half_size.y < kQuadSetup;
     }
 
     /// The step to the next ray along the grid on the tangent plane: half the way between both neighbours, or
     /// the way to the one there is.
     bool difference(std::size_t i, bool has_before, bool has_after, std::size_t stride, float depth,
                     glm::vec3 normal, glm::vec3& step) const {
-        glm::vec3 before, after;
+        glm::vec3 before(0), after(0);
         has_before = has_before && step_to(i, i - stride, depth, normal, before);
         has_after = has_after && step_to(i, i + stride, depth, normal, after);
         if (has_before && has_after) {
@@ -187,11 +203,20 @@ private:
         return has_before || has_after;
     }
 
+    /// The step to a ray parallel to i, `across` away on the rest plane: for a ray without neighbours.
+    glm::vec3 parallel_step(std::size_t i, glm::vec3 across, glm::vec3 normal) const {
+        return across - (glm::dot(normal, across) / glm::dot(normal, mesh_.slope[i])) * mesh_.slope[i];
+    }
+
+    glm::vec3 surface_point(std::size_t i) const { return mesh_.origin[i] + mesh_.start[i] * mesh_.slope[i]; }
+
     /// From where ray i lands to where ray j meets the same plane. Differences of the rays come first: the
     /// points themselves have lost the digits.
     bool step_to(std::size_t i, std::size_t j, float depth, glm::vec3 normal, glm::vec3& step) const {
         step = glm::vec3(0);
         if (!mesh_.valid[j]) return false;
+        const glm::vec3 apart = surface_point(j) - surface_point(i);
+        if (glm::dot(apart, apart) > farthest_ * farthest_) return false;
         const glm::vec3 level =
             (mesh_.origin[j] - mesh_.origin[i]) + depth * (mesh_.slope[j] - mesh_.slope[i]);
         const float own = glm::dot(normal, mesh_.slope[i]), other = glm::dot(normal, mesh_.slope[j]);
@@ -204,8 +229,7 @@ private:
     float way_in_water(std::size_t i, float way) const {
         const float after = mesh_.in_water() ? way : 0.0f;
         if (!mesh_.from_below) return after;
-        const glm::vec3 surface = mesh_.origin[i] + mesh_.start[i] * mesh_.slope[i];
-        return after + glm::length(surface - light_position_);
+        return after + glm::length(surface_point(i) - light_position_);
     }
 
     static bool finite(const layout::Splat& splat) {
@@ -219,7 +243,8 @@ private:
     float largest_point_;
     std::size_t columns_, rows_;
     glm::vec3 color_, absorption_, light_position_;
-    float disc_ = 0;  // radius a m of way, across the beam
+    float farthest_ = 0;  // m
+    float disc_ = 0;      // radius a m of way, across the beam
 };
 
 }  // namespace
@@ -231,15 +256,15 @@ Splats build_splats(const scene::FrameScene& scene, const light::BeamMesh& mesh,
     Splats splats;
     splats.points.resize(blocks.bands());
     splats.quads.resize(blocks.bands());
-    std::vector<std::size_t> without_footprint(blocks.bands(), 0);
+    std::vector<std::size_t> without_neighbors(blocks.bands(), 0);
     parallel_for(blocks.bands(), 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t band = begin; band < end; ++band) {
             blocks.visit_band(band, [&](std::size_t i) {
-                builder.build(i, splats.points[band], splats.quads[band], without_footprint[band]);
+                builder.build(i, splats.points[band], splats.quads[band], without_neighbors[band]);
             });
         }
     });
-    for (const std::size_t count : without_footprint) splats.without_footprint += count;
+    for (const std::size_t count : without_neighbors) splats.without_neighbors += count;
     return splats;
 }
 

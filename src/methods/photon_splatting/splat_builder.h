@@ -14,7 +14,8 @@ namespace dapple::methods {
 struct Splats {
     std::vector<std::vector<layout::Splat>> points;  ///< a band each
     std::vector<std::vector<layout::Splat>> quads;   ///< those wider than a point sprite can be
-    std::size_t without_footprint = 0;  ///< landed rays that have no neighbour to span a footprint with
+    std::size_t without_neighbors =
+        0;  ///< landed rays alone on their sheet of the water in a direction of the grid
 };
 
 /// Turns landed photons into splats: the footprint is spanned by the neighbours' rays, landed on the tangent
