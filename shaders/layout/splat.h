@@ -15,8 +15,9 @@ struct Splat {
     vec3 irradiance;  // W/m^2 for a kernel value of 1
     float in_water;   // 1: lights receivers in the water, 0: in the air
     vec3 normal;      // unit, of the tangent plane, towards the side that the light arrives from
-    vec2 center;      // pixels, middle of the box that the splat covers
-    vec2 half_size;   // pixels
+    vec2 center;      // pixels, middle of the parallelogram center +- edge_a +- edge_b that the splat covers;
+    vec2 edge_a;      // pixels; (half width, 0)
+    vec2 edge_b;      // pixels; and (0, half height) of a box for a point sprite
 };
 
 struct SplatPush {

@@ -7,5 +7,5 @@ void main() {
     Splat splat = splats[gl_VertexIndex];
     send_splat(splat);
     gl_Position = clip_from_pixel(splat.center);
-    gl_PointSize = 2.0 * max(splat.half_size.x, splat.half_size.y);
+    gl_PointSize = 2.0 * max(splat.edge_a.x, splat.edge_b.y);
 }

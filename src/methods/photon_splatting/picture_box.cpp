@@ -9,8 +9,10 @@
 namespace dapple::methods {
 namespace {
 
-constexpr float kNearest = 1e-3f;   // m before the camera
-constexpr float kRounding = 0.01f;  // pixels: projection in float and the raster's own grid
+constexpr float kNearest = 1e-3f;    // m before the camera
+constexpr float kFarthest = 1e4f;    // pixels: a longer parallelogram leaves the raster's range
+constexpr float kWorthwhile = 0.7f;  // of the box's area
+constexpr float kRounding = 0.01f;   // pixels: projection in float and the raster's own grid
 
 }  // namespace
 
@@ -52,27 +54,54 @@ glm::vec3 PictureMap::to_camera(glm::vec3 point) const {
     return perspective_ ? position_ - point : backward_;
 }
 
-bool PictureMap::box(glm::vec3 center, glm::vec3 first, glm::vec3 second, glm::vec2& middle,
-                     glm::vec2& half) const {
+glm::vec2 PictureMap::corner(glm::vec3 point, bool& in_front) const {
+    // A corner behind the camera: where the surface passes the camera so closely that nothing of it is in the
+    // picture but the far part, which the corner at the near plane bounds on the far side only.
+    const float w = glm::dot(row_w_, point) + offset_w_;
+    in_front = in_front && w > kNearest;
+    return glm::vec2(glm::dot(row_x_, point) + offset_x_, glm::dot(row_y_, point) + offset_y_) /
+           std::max(kNearest, w);
+}
+
+bool PictureMap::box(glm::vec3 center, glm::vec3 first, glm::vec3 second, PictureCover& cover) const {
     glm::vec2 low(HUGE_VALF), high(-HUGE_VALF);
+    bool in_front = true;
     for (const float a : {-1.0f, 1.0f})
         for (const float b : {-1.0f, 1.0f}) {
-            const glm::vec3 corner = center + a * first + b * second;
-            // A corner behind the camera: where the surface passes the camera so closely that nothing of it
-            // is in the picture but the far part, which the corner at the near plane bounds on the far side
-            // only.
-            const float w = std::max(kNearest, glm::dot(row_w_, corner) + offset_w_);
-            const glm::vec2 pixel =
-                glm::vec2(glm::dot(row_x_, corner) + offset_x_, glm::dot(row_y_, corner) + offset_y_) / w;
+            const glm::vec2 pixel = corner(center + a * first + b * second, in_front);
             low = glm::min(low, pixel);
             high = glm::max(high, pixel);
         }
     low = glm::max(low - grow_low_, glm::vec2(0));
     high = glm::min(high + grow_high_, picture_);
     if (!(low.x < high.x && low.y < high.y)) return false;
-    middle = 0.5f * (low + high);
-    half = 0.5f * (high - low);
+    cover.middle = 0.5f * (low + high);
+    cover.edge_a = {0.5f * (high.x - low.x), 0};
+    cover.edge_b = {0, 0.5f * (high.y - low.y)};
     return true;
+}
+
+void PictureMap::fit(glm::vec3 center, glm::vec3 first, glm::vec3 second, PictureCover& cover) const {
+    bool in_front = true;
+    const glm::vec2 nn = corner(center - first - second, in_front),
+                    np = corner(center - first + second, in_front),
+                    pn = corner(center + first - second, in_front),
+                    pp = corner(center + first + second, in_front);
+    if (!in_front) return;
+    PictureCover slanted{0.25f * (nn + np + pn + pp), 0.25f * (pn + pp - nn - np),
+                         0.25f * (np + pp - nn - pn)};
+    const float area = std::abs(slanted.edge_a.x * slanted.edge_b.y - slanted.edge_a.y * slanted.edge_b.x);
+    const float length_a = glm::length(slanted.edge_a), length_b = glm::length(slanted.edge_b);
+    // Perspective makes the outline a general quadrilateral, whose corners lie this far off the
+    // parallelogram's.
+    const float off = 0.25f * glm::length(pp - pn - np + nn);
+    const float margin = off + glm::length(glm::max(grow_low_, grow_high_));
+    if (!(area > 0) || length_a + length_b > kFarthest) return;
+    // Each pair of sides moves out by the margin, measured across them.
+    slanted.edge_a *= 1 + margin * length_b / area;
+    slanted.edge_b *= 1 + margin * length_a / area;
+    const float slanted_area = area * (1 + margin * length_b / area) * (1 + margin * length_a / area);
+    if (slanted_area < kWorthwhile * cover.edge_a.x * cover.edge_b.y) cover = slanted;
 }
 
 }  // namespace dapple::methods

@@ -5,6 +5,11 @@
 
 namespace dapple::methods {
 
+/// Parallelogram of the picture, middle +- edge_a +- edge_b, pixels.
+struct PictureCover {
+    glm::vec2 middle, edge_a, edge_b;
+};
+
 /// The camera in float, relative to the frame's origin: what splats need of it.
 class PictureMap {
 public:
@@ -14,11 +19,17 @@ public:
     bool at(glm::vec3 point, glm::vec2& pixel, glm::vec3& gradient_x, glm::vec3& gradient_y) const;
     /// Towards the camera, any length.
     glm::vec3 to_camera(glm::vec3 point) const;
-    /// Box of the picture, pixels, that holds the samples in the parallelogram center +- first +- second;
-    /// false where it misses the picture.
-    bool box(glm::vec3 center, glm::vec3 first, glm::vec3 second, glm::vec2& middle, glm::vec2& half) const;
+    /// Box of the picture, cut to it, that holds the samples in the parallelogram center +- first +- second
+    /// of the world; false where it misses the picture.
+    bool box(glm::vec3 center, glm::vec3 first, glm::vec3 second, PictureCover& cover) const;
+    /// Changes `cover`, the box of the same parallelogram, to one that lies along it, where that is much
+    /// smaller.
+    void fit(glm::vec3 center, glm::vec3 first, glm::vec3 second, PictureCover& cover) const;
 
 private:
+    /// Picture coordinates of the corner center + a first + b second, held before the near plane.
+    glm::vec2 corner(glm::vec3 point, bool& in_front) const;
+
     glm::vec3 row_x_, row_y_, row_w_;  // of pixel_from_world, relative to the origin
     float offset_x_, offset_y_, offset_w_;
     glm::vec3 position_, backward_;

@@ -162,7 +162,8 @@ private:
             const PlaneKernel kernel = widened_kernel(basis, metric);
             const glm::vec3 first = kernel.first.x * right + kernel.first.y * up;
             const glm::vec3 second = kernel.second.x * right + kernel.second.y * up;
-            if (!picture_.box(point, first, second, splat.center, splat.half_size)) continue;
+            PictureCover cover;
+            if (!picture_.box(point, first, second, cover)) continue;
             // Dual vectors of (first, second, beam): perpendicular to the beam, so that a receiver off the
             // plane is taken along the beam.
             const glm::vec3 a = glm::cross(second, beam), c = glm::cross(beam, first);
@@ -175,15 +176,26 @@ private:
             splat.tolerance =
                 kPlaneTolerance * std::max(glm::length(first), glm::length(second)) * std::abs(facing);
             if (!finite(splat)) continue;
-            (fits_point(splat.half_size) ? points : quads).push_back(splat);
+            const bool point_sprite = fits_point(point, first, second, cover);
+            splat.center = cover.middle;
+            splat.edge_a = cover.edge_a;
+            splat.edge_b = cover.edge_b;
+            (point_sprite ? points : quads).push_back(splat);
         }
         return has_row && has_column;
     }
 
-    /// A point sprite is a square, cheap to set up; a quad is just the box.
-    bool fits_point(glm::vec2 half_size) const {
-        const float side = 2 * std::max(half_size.x, half_size.y);
-        return side <= largest_point_ && side * side - 4 * half_size.x * half_size.y < kQuadSetup;
+    /// A point sprite is a square about the box, cheap to set up; a quad fits closely. Leaves in `cover` what
+    /// is to be drawn.
+    bool fits_point(glm::vec3 point, glm::vec3 first, glm::vec3 second, PictureCover& cover) const {
+        const float side = 2 * std::max(cover.edge_a.x, cover.edge_b.y);
+        if (side * side < kQuadSetup) return true;
+        const PictureCover box = cover;
+        picture_.fit(point, first, second, cover);
+        const float area = 4 * std::abs(cover.edge_a.x * cover.edge_b.y - cover.edge_a.y * cover.edge_b.x);
+        if (side > largest_point_ || side * side - area > kQuadSetup) return false;
+        cover = box;
+        return true;
     }
 
     /// The step to the next ray along the grid on the tangent plane: half the way between both neighbours, or

@@ -18,7 +18,7 @@ namespace {
 
 using layout::Splat;
 using layout::SplatPush;
-static_assert(sizeof(Splat) == 92);
+static_assert(sizeof(Splat) == 100);
 static_assert(sizeof(SplatPush) == 8);
 
 constexpr std::size_t kTile = 1 << 14;
