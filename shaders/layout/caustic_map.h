@@ -1,6 +1,6 @@
 // Structs of the light-view raster (light/caustic_map.vert) and of the beam rays (light/beam_rays.comp).
-// Map coordinates are metres on the rest plane y = 0, (x, z), relative to the frame's origin. The light projects a
-// water point (x, height, z) onto ((x, z) - shear * height) / (1 - inverse_height * height).
+// Map coordinates are metres on the rest plane y = 0, (x, z), relative to the frame's origin. The light
+// projects a water point (x, height, z) onto ((x, z) - shear * height) / (1 - inverse_height * height).
 #ifndef DAPPLE_LAYOUT_CAUSTIC_MAP
 #define DAPPLE_LAYOUT_CAUSTIC_MAP
 #include "layout/types.h"
@@ -15,27 +15,28 @@ struct CausticMapPush {
 };
 
 struct BeamRaysPush {
-    vec2 corner;           // m, map coordinates of the corner of texel (0, 0)
-    vec2 texel;            // m, size of a texel
-    vec2 shear;            // as in CausticMapPush
+    vec2 corner;  // m, map coordinates of the corner of texel (0, 0)
+    vec2 texel;   // m, size of a texel
+    vec2 shear;   // as in CausticMapPush
     float inverse_height;
-    float rest_height;     // m, height of the rest plane relative to the frame's origin
-    vec3 light;            // sun: unit direction of travel; else position, m, relative to the frame's origin
-    float eta;             // index of the medium that the light comes through over that of the other
-    vec3 spot_axis;        // unit
-    float cos_outer;       // cosine where a spot's light has fallen to nothing; -2: no spot
-    vec3 axis;             // unit, axis of the beam mesh
-    float cos_inner;       // cosine where it is full
-    uint columns;          // texels of the map a row
-    uint first_row;        // of this batch
-    uint rows;             // of this batch
-    uint sun;              // 1: parallel light
-    uint reflection;       // 0: transmission
+    float rest_height;  // m, height of the rest plane relative to the frame's origin
+    vec3 light;         // sun: unit direction of travel; else position, m, relative to the frame's origin
+    float eta;          // index of the medium that the light comes through over that of the other
+    vec3 spot_axis;     // unit
+    float cos_outer;    // cosine where a spot's light has fallen to nothing; -2: no spot
+    vec3 axis;          // unit, axis of the beam mesh
+    float cos_inner;    // cosine where it is full
+    uint columns;       // texels of the map a row
+    uint first_row;     // of this batch
+    uint rows;          // of this batch
+    uint sun;           // 1: parallel light
+    uint reflection;    // 0: transmission
 };
 
 // One texel's ray.
 struct BeamRay {
-    vec3 origin;  // m, relative to the frame's origin, on the plane through it perpendicular to the mesh's axis
+    vec3 origin;  // m, relative to the frame's origin, on the plane through it perpendicular to the mesh's
+                  // axis
     float start;  // m, depth along the axis where the ray leaves the water
     vec3 slope;   // m a m of depth
     float flux;   // m^2 (sun) or sr, after Fresnel; negative: no ray

@@ -8,7 +8,8 @@ LAYOUT_BEGIN
 struct Splat {
     vec3 position;    // m, where the beam lands
     float tolerance;  // m, receivers farther off the tangent plane are not lit
-    vec3 axis_a;      // 1/m: dot(axis_a, x - position) is the kernel's first coordinate, in [-1, 1] on its support;
+    vec3 axis_a;      // 1/m: dot(axis_a, x - position) is the kernel's first coordinate, in [-1, 1] on its
+                      // support;
     float box_a;      //      perpendicular to the beam. Half-width of the box that widens the tent, in [0, 1)
     vec3 axis_b;      // 1/m, the second coordinate
     float box_b;

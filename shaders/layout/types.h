@@ -1,5 +1,5 @@
-// What lets the structs of this folder be GLSL and C++: float only, scalar block layout on the device, a unit and a
-// space on every field. C++ sees them in dapple::layout; sizes are asserted where the host fills them.
+// What lets the structs of this folder be GLSL and C++: float only, scalar block layout on the device, a unit
+// and a space on every field. C++ sees them in dapple::layout; sizes are asserted where the host fills them.
 #ifndef DAPPLE_LAYOUT_TYPES
 #define DAPPLE_LAYOUT_TYPES
 #ifdef __cplusplus

@@ -1,7 +1,8 @@
 // What lets one text be GLSL and C++ (see src/optics/optics.h, which includes the physics headers twice: once
 // with real = float in namespace f32, once with real = double in namespace f64).
-// Rules: functions are marked FN; results through OUT(T) or INOUT(T); every literal is written real(0.5), also
-// inside min, max and clamp; no swizzles but .x .y .z .w; no constructor calls of structs; no array parameters.
+// Rules: functions are marked FN; results through OUT(T) or INOUT(T); every literal is written real(0.5),
+// also inside min, max and clamp; no swizzles but .x .y .z .w; no constructor calls of structs; no array
+// parameters.
 #ifdef __cplusplus
 #define FN inline
 #define OUT(T) T&

@@ -1,7 +1,7 @@
-// How the differential of a ray (its derivatives by a parameter such as a pixel coordinate) goes along a path.
-// A ray is a point and a unit direction; `dp` and `dd` are their derivatives. Normals point against the ray, as
-// in refraction.h, and `dn` is the derivative of the normal at the point that the differential ray meets.
-// Igehy, Tracing Ray Differentials, SIGGRAPH 1999, equations 10 to 17 (with our signs).
+// How the differential of a ray (its derivatives by a parameter such as a pixel coordinate) goes along a
+// path. A ray is a point and a unit direction; `dp` and `dd` are their derivatives. Normals point against the
+// ray, as in refraction.h, and `dn` is the derivative of the normal at the point that the differential ray
+// meets. Igehy, Tracing Ray Differentials, SIGGRAPH 1999, equations 10 to 17 (with our signs).
 
 /// Derivative of v / length(v), where dv is that of v.
 FN real3 normalized_differential(real3 v, real3 dv) {
@@ -10,8 +10,8 @@ FN real3 normalized_differential(real3 v, real3 dv) {
     return inverse * (dv - dot(unit, dv) * unit);
 }
 
-/// Derivative of the point where the ray meets a surface after `distance`. `normal` is the geometric one (either
-/// side); infinite where the surface is seen edge on.
+/// Derivative of the point where the ray meets a surface after `distance`. `normal` is the geometric one
+/// (either side); infinite where the surface is seen edge on.
 FN real3 transferred_differential(real3 dp, real3 dd, real3 direction, real distance, real3 normal) {
     real3 beside = dp + distance * dd;
     return beside - (dot(beside, normal) / dot(direction, normal)) * direction;

@@ -1,11 +1,11 @@
-// Snell's law and Fresnel's equations at a smooth dielectric surface, in vector form (no inverse trigonometry).
-// Directions are unit and point along the travel of light. `normal` is unit and points against the incoming
-// ray: dot(incident, normal) <= 0. `eta` is the index of the medium that is left over that of the one entered.
-// Born & Wolf, Principles of Optics, 1.5.1 and 1.5.2.
+// Snell's law and Fresnel's equations at a smooth dielectric surface, in vector form (no inverse
+// trigonometry). Directions are unit and point along the travel of light. `normal` is unit and points against
+// the incoming ray: dot(incident, normal) <= 0. `eta` is the index of the medium that is left over that of
+// the one entered. Born & Wolf, Principles of Optics, 1.5.1 and 1.5.2.
 
 /// Cosine of the transmitted angle, or -1 on total internal reflection. cos_i in [0, 1].
-/// 1 - eta^2 (1 - cos_i^2), arranged so that the indices are compared before the cosine joins: a sum of positive
-/// terms from air, and at eta = 1 the very cosine that came in.
+/// 1 - eta^2 (1 - cos_i^2), arranged so that the indices are compared before the cosine joins: a sum of
+/// positive terms from air, and at eta = 1 the very cosine that came in.
 FN real transmitted_cosine(real cos_i, real eta) {
     real scaled = eta * cos_i;
     real square = (real(1.0) - eta) * (real(1.0) + eta) + scaled * scaled;
@@ -25,8 +25,9 @@ FN real3 reflected_direction(real3 incident, real3 normal) {
     return incident - (real(2.0) * dot(incident, normal)) * normal;
 }
 
-/// Share of the power of unpolarised light that is reflected. cos_t as from transmitted_cosine. The fused products
-/// leave one rounding in each difference, where eta * cos_i - cos_t would lose digits for indices near 1.
+/// Share of the power of unpolarised light that is reflected. cos_t as from transmitted_cosine. The fused
+/// products leave one rounding in each difference, where eta * cos_i - cos_t would lose digits for indices
+/// near 1.
 FN real fresnel_reflectance(real cos_i, real cos_t, real eta) {
     if (cos_t < real(0.0)) return real(1.0);
     if (eta == real(1.0)) return real(0.0);
