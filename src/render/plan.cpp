@@ -57,8 +57,7 @@ public:
 
     Plan make() {
         plan_.water = state_.water.has_value();
-        add("water surface", plan_.water,
-            plan_.water ? "the timeline has water" : "the timeline has no water");
+        add("water surface", plan_.water, plan_.water ? water_mesh() : "the timeline has no water");
         find_reach();
         for (std::size_t i = 0; plan_.water && i < state_.lights.size(); ++i) {
             consider(static_cast<int>(i), light::Event::transmission);
@@ -92,9 +91,7 @@ private:
             text += std::string(cells) + " a shortest wave";
         }
         if (water.capped) text += ", capped: finer waves want mesh_cells";
-        if (water.folded_vertices > 0) {
-            text += ", folded over itself at " + std::to_string(water.folded_vertices) + " vertices";
-        }
+        if (water.folded_vertices > 0) text += ", folded over itself in places";
         return text;
     }
 
@@ -116,7 +113,8 @@ private:
         const scene::Light& light = state_.lights[static_cast<std::size_t>(index)];
         const bool above = light_above_water(light);
         const bool lands_above = (event == light::Event::reflection) == above;
-        const std::string pass = light.name + " > water:" + event_name(event);
+        const std::string name = light.name.empty() ? "lights[" + std::to_string(index) + "]" : light.name;
+        const std::string pass = name + " > water:" + event_name(event);
         if (!(lands_above ? receivers_above_ : receivers_below_)) {
             add(pass, false, lands_above ? "nothing stands above the water" : "nothing lies below the water");
             return;

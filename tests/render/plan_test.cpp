@@ -88,6 +88,28 @@ TEST(Plan, LightsUnderWaterTransmitUpwards) {
     EXPECT_EQ(plan.chains[0].event, light::Event::reflection);
 }
 
+TEST(Plan, TellsOfTheWaterWhatItsMeshLacks) {
+    const TellingMethod method(false);
+    scene::FrameScene scene = scene_of(pool());
+    auto water = std::make_shared<scene::WaterMesh>();
+    water->mesh.triangles.resize(200);
+    scene.water = water;
+    EXPECT_EQ(line(render::make_plan(scene, method), "water surface").reason, "200 triangles");
+    water->cells_per_shortest_wave = 7.25;
+    water->capped = true;
+    water->folded_vertices = 3;
+    EXPECT_EQ(line(render::make_plan(scene, method), "water surface").reason,
+              "200 triangles, 7.2 cells a shortest wave, capped: finer waves want mesh_cells, folded over "
+              "itself in places");
+}
+
+TEST(Plan, LightsWithoutANameGoByTheirIndex) {
+    scene::FrameState state = pool();
+    state.lights[0].name.clear();
+    const render::Plan plan = render::make_plan(scene_of(state), TellingMethod(false));
+    EXPECT_EQ(line(plan, "lights[0] > water:T").decision, "yes");
+}
+
 TEST(Plan, RepeatsTheMethodsOwnWord) {
     const render::PlanLine& said =
         line(render::make_plan(scene_of(pool()), TellingMethod(true)), "caustics: photon_splatting");
