@@ -244,11 +244,14 @@ vk::raii::DescriptorSet PassList::State::make_set(const vk::raii::DescriptorPool
     vk::raii::DescriptorSets sets(device.device,
                                   {.descriptorPool = *pool, .descriptorSetCount = 1, .pSetLayouts = &layout});
     std::vector<vk::DescriptorBufferInfo> buffers;
+    buffers.reserve(pass.buffers.size());
     for (const Buffer::State* buffer : pass.buffers) buffers.push_back({*buffer->buffer, 0, VK_WHOLE_SIZE});
     std::vector<vk::DescriptorImageInfo> images;
+    images.reserve(pass.images.size());
     for (const Image::State* image : pass.images)
         images.push_back({*device.nearest, *image->view, vk::ImageLayout::eGeneral});
     std::vector<vk::WriteDescriptorSet> writes;
+    writes.reserve(buffers.size() + images.size());
     for (const auto& buffer : buffers)
         writes.push_back({.dstSet = *sets.front(),
                           .dstBinding = static_cast<std::uint32_t>(writes.size()),

@@ -131,6 +131,7 @@ private:
 
     void render_layers(const std::vector<view::ReceiverLayer>& layers) {
         std::vector<methods::LayerResult> results;
+        results.reserve(layers.size());
         for (const view::ReceiverLayer& layer : layers) results.push_back(not_covered(layer.pixels()));
         const bool served = method_.serves_behind_specular() ||
                             std::any_of(layers.begin(), layers.end(), any_direct_receiver);

@@ -41,7 +41,7 @@ std::size_t PhotonSplatting::bytes(const scene::FrameState& state, std::size_t p
     constexpr double kLanding = 4 + 12;
     constexpr double kSplats = 2 * sizeof(layout::Splat);  // in bands, then on the device
     const double events = 2 * static_cast<double>(state.lights.size());
-    constexpr std::size_t kLayer = 4 * 3 * 16;  // four layers' staging, receivers and irradiance
+    constexpr std::size_t kLayer = std::size_t{4} * 3 * 16;  // four layers' staging, receivers and irradiance
     return static_cast<std::size_t>(
                photons * (kMap + 2 * kMesh + kLanding + kSplats + events * sizeof(layout::Splat))) +
            pixels * kLayer;
