@@ -53,16 +53,19 @@ glm::dvec3 sun_direction(const scene::Light& light, int sample, int samples) {
     return glm::normalize(light.direction + radius * (std::cos(angle) * u + std::sin(angle) * v));
 }
 
-bool inside_extent(const scene::Extent& extent, glm::dvec3 position) {
+bool inside_rectangle(const scene::Extent& extent, glm::dvec3 position) {
     const glm::dvec2 offset = glm::abs(glm::dvec2(position.x, position.z) - extent.center);
-    return extent.kind == scene::ExtentKind::open_water ||
-           (offset.x <= 0.5 * extent.size.x && offset.y <= 0.5 * extent.size.y);
+    return offset.x <= 0.5 * extent.size.x && offset.y <= 0.5 * extent.size.y;
+}
+
+bool in_extent(const scene::Extent& extent, glm::dvec3 position) {
+    return extent.kind == scene::ExtentKind::open_water || inside_rectangle(extent, position);
 }
 
 /// Whether a point or spot light is under water, by the rest plane.
 bool light_in_water(const scene::FrameState& state, const scene::Light& light) {
     return light.type != scene::LightType::sun && state.water && light.position.y < 0 &&
-           inside_extent(state.water->extent, light.position);
+           in_extent(state.water->extent, light.position);
 }
 
 /// Runs `body(pixel range, irradiance)` tile by tile in parallel.
@@ -138,11 +141,12 @@ std::vector<glm::vec3> flat_water_irradiance(const scene::FrameScene& scene, con
             in_air.clear();
             for (std::size_t pixel = begin; pixel < end; ++pixel) {
                 constexpr std::uint32_t wanted = view::kReceiver | view::kInWater;
-                if ((layer.flags[pixel] & wanted) != wanted || covered[pixel]) continue;
+                if ((layer.flags[pixel] & wanted) != wanted) continue;
                 const scene::Water& water = *scene.state.water;
                 const glm::dvec3 position = glm::dvec3(layer.position[pixel]) + scene.origin;
                 const auto flat = through_flat_water(light, position, water.refractive_index);
-                if (!flat || !inside_extent(water.extent, flat->entry)) continue;
+                if (!flat || !in_extent(water.extent, flat->entry)) continue;
+                if (covered[pixel] && inside_rectangle(water.extent, flat->entry)) continue;
                 const double facing = -glm::dot(flat->direction, glm::dvec3(layer.geometric_normal[pixel]));
                 const double cosine = -glm::dot(flat->direction, glm::dvec3(layer.shading_normal[pixel]));
                 if (facing <= 0 || cosine <= 0) continue;
