@@ -89,7 +89,9 @@ private:
         manifest_ = Manifest{};
         if (options_.existing == Existing::overwrite) {
             open_to_overwrite();
-        } else if (std::optional<Manifest> known = read_manifest(paths_.manifest())) {
+        } else if (std::optional<Manifest> known = read_manifest(paths_.manifest());
+                   known &&
+                   !known->frames.empty()) {  // a job that failed before its first frame claims nothing
             if (known->job_hash != job_.hash()) {
                 throw Error(ExitCode::usage, options_.folder + " holds frames of another job (other: " +
                                                  differences(job_.parts, known->parts) +

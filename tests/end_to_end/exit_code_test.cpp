@@ -91,7 +91,7 @@ TEST_F(ExitCode, Of4IsAnUnreadableInput) {
     expect_failure(outcome, 4, "broken.obj");
     EXPECT_TRUE(pictures_in(scratch / "out").empty());
     // What failed does not stand in the way of the right call.
-    EXPECT_EQ(render({"-f", "1", "--existing", "overwrite"}).code, 0);
+    EXPECT_EQ(render({"-f", "1"}).code, 0);
 }
 
 TEST_F(ExitCode, Of5IsAnUnwritableOutput) {

@@ -160,6 +160,16 @@ TEST_F(FrameLoopTest, AnotherJobsFolderIsLeftAlone) {
     EXPECT_EQ(render(scratch / "out", "1-2", Existing::verify), ExitCode::usage);
 }
 
+TEST_F(FrameLoopTest, AJobThatFailedBeforeItsFirstFrameClaimsNoFolder) {
+    source.broken = {1};
+    ASSERT_EQ(render(scratch / "out", "1"), ExitCode::input_unreadable);
+    source.broken = {};
+    // The timeline is put right, which makes it another job.
+    EXPECT_EQ(render(scratch / "out", "1", Existing::verify, fake_job("b")), ExitCode::done);
+    EXPECT_EQ(read_manifest(scratch / "out/manifest.json")->job_hash, fake_job("b").hash());
+    EXPECT_EQ(render(scratch / "out", "1"), ExitCode::usage);
+}
+
 TEST_F(FrameLoopTest, ADamagedManifestIsNobodysJob) {
     ASSERT_EQ(render(scratch / "out", "1"), ExitCode::done);
     for (const char* text : {"", "{", "[]", "{\"format\": 1}", "{\"format\": 2}", "\xff\xfe"}) {
