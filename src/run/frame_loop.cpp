@@ -170,12 +170,12 @@ private:
         const double wall_start = wall_seconds();
         const double cpu_start = cpu_seconds();
         check_memory(source_, FrameSet::range(frame, frame), options_.max_memory);
-        FrameEntry entry;
-        for (const render::PlanLine& line : source_.plan(frame)) {
-            if (line.decision == "partly") entry.partly.push_back(line.pass + ": " + line.reason);
-        }
         FrameStats stats;
         const SourceFrame pictures = source_.render(frame, stats);
+        FrameEntry entry;
+        for (const render::PlanLine& line : pictures.plan) {
+            if (line.decision == "partly") entry.partly.push_back(line.pass + ": " + line.reason);
+        }
         entry.non_finite = pictures.non_finite.count;
         if (entry.non_finite > 0) {
             reporter_.warning("frame " + std::to_string(frame) + ": " + std::to_string(entry.non_finite) +

@@ -14,6 +14,7 @@ struct SourceFrame {
     image::Image linear;  ///< scene-linear layers, float
     image::Image graded;  ///< R, G, B and perhaps A, display-referred, half
     render::NonFinite non_finite;
+    std::vector<render::PlanLine> plan;  ///< what was done, and why
 };
 
 /// Where the frame loop gets its frames from. Every function is pure in `frame`: the loop may ask for any
@@ -21,7 +22,6 @@ struct SourceFrame {
 class FrameSource {
 public:
     virtual ~FrameSource() = default;
-    virtual std::vector<render::PlanLine> plan(std::int64_t frame) = 0;
     virtual SourceFrame render(std::int64_t frame, FrameStats& stats) = 0;
     /// Estimated peak memory of a frame in bytes; loads nothing.
     virtual std::size_t bytes(std::int64_t frame) const = 0;

@@ -40,7 +40,8 @@ std::vector<render::PlanLine> TimelineSource::plan(std::int64_t frame) {
 SourceFrame TimelineSource::render(std::int64_t frame, FrameStats& stats) {
     const scene::FrameState state = timeline_.at(frame);
     render::RenderedFrame rendered = renderer_.render(state, stats);
-    SourceFrame result{std::move(rendered.linear), {}, std::move(rendered.non_finite)};
+    SourceFrame result{
+        std::move(rendered.linear), {}, std::move(rendered.non_finite), std::move(rendered.plan)};
     const ScopedPass pass(stats, "grade");
     color::GradedPicture graded = grader_.apply(result.linear, grade(state.output));
     result.graded = std::move(graded.picture);

@@ -15,7 +15,8 @@ class TimelineSource : public FrameSource {
 public:
     TimelineSource(const timeline::Timeline& timeline, gpu::Device& device);
 
-    std::vector<render::PlanLine> plan(std::int64_t frame) override;
+    /// What render() would do and why; builds the scene, casts no light.
+    std::vector<render::PlanLine> plan(std::int64_t frame);
     SourceFrame render(std::int64_t frame, FrameStats& stats) override;
     std::size_t bytes(std::int64_t frame) const override;
 

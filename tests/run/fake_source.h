@@ -25,10 +25,6 @@ public:
     std::set<std::int64_t> large;        ///< 64 times the pixels
     std::vector<std::int64_t> rendered;  ///< frames asked for so far
 
-    std::vector<render::PlanLine> plan(std::int64_t frame) override {
-        return {{"noise", partly.contains(frame) ? "partly" : "yes", "made up"}};
-    }
-
     SourceFrame render(std::int64_t frame, FrameStats& stats) override {
         const ScopedPass pass(stats, "noise");
         if (broken.contains(frame)) throw Error(ExitCode::input_unreadable, "mesh.obj: no such file");
@@ -38,6 +34,7 @@ public:
         SourceFrame result;
         result.linear = noise(frame, scale, {"R", "G", "B", "A", "Z"}, image::PixelType::float32);
         result.graded = noise(frame, scale, {"R", "G", "B"}, image::PixelType::half_float);
+        result.plan = {{"noise", partly.contains(frame) ? "partly" : "yes", "made up"}};
         stats.count("pixels", static_cast<double>(result.linear.pixels()));
         if (not_finite.contains(frame)) result.non_finite = {1, "R 3,4"};
         return result;
