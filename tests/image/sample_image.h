@@ -14,8 +14,9 @@ inline image::Image sample_image(int width, int height) {
     const auto fill = [&](const char* name, image::PixelType type, float scale) {
         image::Channel& channel = picture.add(name, type);
         for (std::size_t i = 0; i < channel.values.size(); ++i) {
+            const std::size_t row = i / static_cast<std::size_t>(width);
             const auto x = static_cast<float>(i % static_cast<std::size_t>(width));
-            const auto y = static_cast<float>(i / static_cast<std::size_t>(width));
+            const auto y = static_cast<float>(row);
             channel.values[i] = scale * (0.2f + std::sin(0.1f * x) * std::cos(0.07f * y));
         }
     };

@@ -36,7 +36,7 @@ protected:
             read(name, contents);
         } catch (const Error& error) {
             EXPECT_EQ(error.code(), ExitCode::input_unreadable);
-            const std::string message = error.what();
+            std::string message = error.what();
             EXPECT_EQ(message.rfind((folder_ / name).string() + ": ", 0), 0u) << message;
             EXPECT_EQ(message.find('\n'), std::string::npos);
             return message;

@@ -28,7 +28,9 @@ std::vector<rays::Ray> tiled(const MakeRay& make) {
     for (int tile_y = 0; tile_y < kSide; tile_y += 4) {
         for (int tile_x = 0; tile_x < kSide; tile_x += 4) {
             for (int i = 0; i < 16; ++i) {
-                result.push_back(make((tile_x + i % 4 + 0.5) / kSide, (tile_y + i / 4 + 0.5) / kSide));
+                const int x = tile_x + i % 4;
+                const int y = tile_y + i / 4;
+                result.push_back(make((x + 0.5) / kSide, (y + 0.5) / kSide));
             }
         }
     }
