@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "scene/transform.h"
+#include "view/camera.h"
 
 namespace dapple::render {
 namespace {
@@ -41,6 +42,13 @@ bool inside(const scene::Extent& extent, glm::dvec3 position) {
     const glm::dvec2 offset = glm::abs(glm::dvec2(position.x, position.z) - extent.center);
     return extent.kind == scene::ExtentKind::open_water ||
            (offset.x <= 0.5 * extent.size.x && offset.y <= 0.5 * extent.size.y);
+}
+
+/// Whether a box of points has some over the water.
+bool meets(const scene::Extent& extent, glm::dvec3 lowest, glm::dvec3 highest) {
+    const glm::dvec2 low = extent.center - 0.5 * extent.size, high = extent.center + 0.5 * extent.size;
+    return extent.kind == scene::ExtentKind::open_water ||
+           (lowest.x <= high.x && highest.x >= low.x && lowest.z <= high.y && highest.z >= low.y);
 }
 
 const char* event_name(light::Event event) {
@@ -103,10 +111,21 @@ private:
             receivers_below_ |= heights.lowest < bound;
             receivers_above_ |= heights.highest > -bound;
         }
-        const glm::dvec3 eye = state_.camera.position;
-        const bool over_extent = inside(state_.water->extent, eye);
-        camera_may_be_below_ = over_extent && eye.y < bound;
-        camera_may_be_above_ = !over_extent || eye.y > -bound;
+        // Where paths start: in one point, or on a rectangle.
+        const scene::Clip& clip = state_.clip;
+        const view::Camera camera(state_.camera, clip.width, clip.height);
+        glm::dvec3 lowest(std::numeric_limits<double>::infinity()), highest(-lowest);
+        for (const double x : {0.0, 1.0}) {
+            for (const double y : {0.0, 1.0}) {
+                glm::dvec3 start, direction;
+                camera.ray({x * clip.width, y * clip.height}, start, direction);
+                lowest = glm::min(lowest, start);
+                highest = glm::max(highest, start);
+            }
+        }
+        const scene::Extent& extent = state_.water->extent;
+        camera_may_be_below_ = meets(extent, lowest, highest) && lowest.y < bound;
+        camera_may_be_above_ = !(inside(extent, lowest) && inside(extent, highest)) || highest.y > -bound;
     }
 
     void consider(int index, light::Event event) {

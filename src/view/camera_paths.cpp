@@ -65,6 +65,7 @@ public:
 
 private:
     std::vector<Path> start_paths(std::size_t tile) const;
+    void find_media(std::vector<Path>& paths) const;
     Path start_path(int x, int y) const;
     void find_encounters(const std::vector<Path>& paths, std::vector<Encounter>& encounters) const;
     bool meets_rest_plane(const Path& path, double nearest, double& distance) const;
@@ -138,8 +139,32 @@ std::vector<Path> LayerTracer::start_paths(std::size_t tile) const {
     return paths;
 }
 
+/// The paths of an orthographic camera start apart from each other, some perhaps in the water and some in the
+/// air: the rules of camera_in_water(), by rays to the surface.
+void LayerTracer::find_media(std::vector<Path>& paths) const {
+    std::vector<rays::Ray> rays(paths.size());
+    std::vector<rays::Hit> above(paths.size());
+    std::vector<rays::Hit> below(paths.size());
+    for (std::size_t i = 0; i < paths.size(); ++i) {
+        rays[i].origin = glm::vec3(paths[i].start);
+        rays[i].direction = {0, 1, 0};
+    }
+    rays_.intersect_water(rays, above);
+    for (rays::Ray& ray : rays) ray.direction = {0, -1, 0};
+    rays_.intersect_water(rays, below);
+    const bool open = scene_.state.water->extent.kind == scene::ExtentKind::open_water;
+    for (std::size_t i = 0; i < paths.size(); ++i) {
+        if (above[i].primitive != rays::kNoHit)
+            paths[i].in_water = above[i].normal.y > 0;
+        else
+            paths[i].in_water =
+                open && below[i].primitive == rays::kNoHit && paths[i].start.y + scene_.origin.y < 0;
+    }
+}
+
 void LayerTracer::trace_tile(std::size_t tile, LayerCounts& counts) const {
     std::vector<Path> paths = start_paths(tile);
+    if (scene_.water && scene_.state.camera.projection == scene::Projection::orthographic) find_media(paths);
     std::vector<Encounter> encounters;
     while (!paths.empty()) {
         find_encounters(paths, encounters);

@@ -79,6 +79,20 @@ TEST(Plan, AMethodOfDirectViewsNeedsOnlyTheCamerasSideOfTheWater) {
     EXPECT_EQ(above.chains[0].event, light::Event::reflection);
 }
 
+TEST(Plan, AnOrthographicCameraMaySeeBothSidesOfTheWater) {
+    scene::FrameState state = pool();
+    state.objects.push_back(test::level_plane("ceiling", 3, 5));
+    for (const double height : {0.5, -0.5}) {
+        state.camera.position = {0, height, 1};
+        state.camera.target = {0, height, 0};
+        state.camera.up = {0, 1, 0};
+        state.camera.view_height = 2;
+        EXPECT_EQ(render::make_plan(scene_of(state), TellingMethod(false)).chains.size(), 2u);
+        state.camera.view_height = 0.8;
+        EXPECT_EQ(render::make_plan(scene_of(state), TellingMethod(false)).chains.size(), 1u);
+    }
+}
+
 TEST(Plan, LightsUnderWaterTransmitUpwards) {
     scene::FrameState state = pool();
     state.lights[0].type = scene::LightType::point;

@@ -266,6 +266,26 @@ TEST(CameraPaths, CameraInWater) {
     EXPECT_FALSE(at(crest, 0.051, 0));
 }
 
+TEST(CameraPaths, AnOrthographicCameraMayStandInWaterAndAirAtOnce) {
+    // Level, 4 m high, at the waterline: air in the upper half and water in the lower, also beside the patch.
+    for (const double z : {0.0, 40.0}) {
+        for (const double middle : {0.3, -0.3}) {
+            ViewScene scene(4, 40);
+            scene.fill(test::wavy_water(4, 64), 4);
+            scene.frame.state.water->absorption = {0.5, 0.5, 0.5};
+            scene.add(scene::Shape::box, {0, 0, z - 20}, {40, 40, 2});
+            scene.look_in_parallel({0, middle, z}, {0, middle, z - 1}, 4);
+            const ReceiverLayer layer = scene.trace();
+            for (std::size_t i = 0; i < layer.pixels(); ++i) {
+                const double y = middle + 2 - (static_cast<double>(i / 4) + 0.5) / 10;
+                if (std::abs(y) < 0.06) continue;  // the waves
+                ASSERT_EQ(layer.flags[i], y < 0 ? kReceiver | kInWater : +kReceiver) << y;
+                ASSERT_NEAR(layer.throughput[i].x, y < 0 ? std::exp(-0.5 * 19) : 1, 1e-9) << y;
+            }
+        }
+    }
+}
+
 TEST(CameraPaths, BoxesAndSpheresHaveOutwardNormalsAndTexture) {
     ViewScene scene(32, 32);
     scene.look({0, 0, 5}, {0, 0, 0}, 0.3);
