@@ -42,9 +42,11 @@ std::size_t PhotonSplatting::bytes(const scene::FrameState& state, std::size_t p
     constexpr double kSplats = 2 * sizeof(layout::Splat);  // in bands, then on the device
     const double events = 2 * static_cast<double>(state.lights.size());
     constexpr std::size_t kLayer = std::size_t{4} * 3 * 16;  // four layers' staging, receivers and irradiance
+    // In double, held: maps of absurd size must not wrap around to a small number.
+    constexpr double kMost = 0x1p61;
     return static_cast<std::size_t>(
-               photons * (kMap + 2 * kMesh + kLanding + kSplats + events * sizeof(layout::Splat))) +
-           pixels * kLayer;
+        std::min(kMost, photons * (kMap + 2 * kMesh + kLanding + kSplats + events * sizeof(layout::Splat)) +
+                            static_cast<double>(pixels) * kLayer));
 }
 
 void PhotonSplatting::begin(FrameContext& context) {
