@@ -50,11 +50,12 @@ TEST_F(PreviewTest, HasItsFramesRateSizeAndTags) {
     const PreviewResult result = make_preview(request, never);
     ASSERT_EQ(result.state, PreviewResult::State::made) << result.reason;
     EXPECT_EQ(result.file.bytes, std::filesystem::file_size(request.path));
+    const char* const entries =
+        "stream=codec_name,pix_fmt,width,height,r_frame_rate,avg_frame_rate,nb_read_frames,"
+        "color_range,color_space,color_transfer,color_primaries";
     const auto probe =
         run_program({"ffprobe", "-v", "error", "-count_frames", "-select_streams", "v:0", "-show_entries",
-                     "stream=codec_name,pix_fmt,width,height,r_frame_rate,avg_frame_rate,nb_read_frames,"
-                     "color_range,color_space,color_transfer,color_primaries",
-                     "-of", "default=noprint_wrappers=1", request.path},
+                     entries, "-of", "default=noprint_wrappers=1", request.path},
                     scratch / "probe");
     for (const char* expected :
          {"codec_name=h264", "pix_fmt=yuv420p", "width=66", "height=38", "r_frame_rate=24000/1001",
