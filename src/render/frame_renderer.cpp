@@ -93,7 +93,10 @@ public:
 private:
     scene::FrameScene build_scene(const scene::FrameState& state) {
         const ScopedPass pass(stats_, "scene");
-        return kept_.builder.build(state);
+        scene::FrameScene scene = kept_.builder.build(state);
+        if (scene.water)
+            stats_.count("water triangles", static_cast<double>(scene.water->mesh.triangles.size()));
+        return scene;
     }
 
     rays::RayScene build_rays() {
