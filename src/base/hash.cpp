@@ -14,7 +14,9 @@ std::string content_hash(const void* data, std::size_t bytes) {
     return text;
 }
 
-std::string content_hash(std::string_view text) { return content_hash(text.data(), text.size()); }
+std::string content_hash(std::string_view text) {
+    return content_hash(text.data(), text.size());
+}
 
 namespace {
 
@@ -28,7 +30,8 @@ std::uint64_t mix(std::uint64_t x) {
 
 }  // namespace
 
-std::uint32_t hash_bits(std::uint64_t seed, std::uint64_t frame, std::uint64_t index, std::uint32_t dimension) {
+std::uint32_t hash_bits(std::uint64_t seed, std::uint64_t frame, std::uint64_t index,
+                        std::uint32_t dimension) {
     const std::uint64_t key = mix(mix(mix(seed) ^ frame) ^ index) ^ dimension;
     return static_cast<std::uint32_t>(mix(key) >> 32);
 }

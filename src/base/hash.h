@@ -11,7 +11,8 @@ std::string content_hash(const void* data, std::size_t bytes);
 std::string content_hash(std::string_view text);
 
 /// A uniform 32-bit value that is a pure function of its arguments (counter-based, no state).
-std::uint32_t hash_bits(std::uint64_t seed, std::uint64_t frame, std::uint64_t index, std::uint32_t dimension);
+std::uint32_t hash_bits(std::uint64_t seed, std::uint64_t frame, std::uint64_t index,
+                        std::uint32_t dimension);
 
 /// The same as a number in [0, 1).
 double hash_uniform(std::uint64_t seed, std::uint64_t frame, std::uint64_t index, std::uint32_t dimension);

@@ -51,8 +51,12 @@ ScopedPass::~ScopedPass() {
     stats_.add_pass({name_, wall_seconds() - wall_start_s_, cpu_seconds() - cpu_start_s_, 0});
 }
 
-double wall_seconds() { return seconds(CLOCK_MONOTONIC); }
-double cpu_seconds() { return seconds(CLOCK_PROCESS_CPUTIME_ID); }
+double wall_seconds() {
+    return seconds(CLOCK_MONOTONIC);
+}
+double cpu_seconds() {
+    return seconds(CLOCK_PROCESS_CPUTIME_ID);
+}
 
 std::uint64_t peak_memory_bytes() {
     rusage usage{};

@@ -14,8 +14,8 @@ struct PassTime {
     double device_s = 0;  // from the device's timestamps; 0 for passes of the CPU
 };
 
-/// Costs and counts of one frame. Owned by the frame loop and filled by the passes, in their fixed order, from
-/// one thread. Passes of one name add up.
+/// Costs and counts of one frame. Owned by the frame loop and filled by the passes, in their fixed order,
+/// from one thread. Passes of one name add up.
 class FrameStats {
 public:
     void add_pass(const PassTime& pass);

@@ -20,8 +20,8 @@ using glm::min;
 using glm::normalize;
 using glm::sqrt;
 using std::fma;
-#include "optics/refraction.h"
 #include "optics/ray_differential.h"
+#include "optics/refraction.h"
 #include "optics/spot_light.h"
 }  // namespace f32
 
@@ -37,8 +37,8 @@ using glm::min;
 using glm::normalize;
 using glm::sqrt;
 using std::fma;
-#include "optics/refraction.h"
 #include "optics/ray_differential.h"
+#include "optics/refraction.h"
 #include "optics/spot_light.h"
 }  // namespace f64
 

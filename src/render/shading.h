@@ -14,9 +14,9 @@ namespace dapple::render {
 std::vector<glm::vec3> direct_irradiance(const scene::FrameScene& scene, const rays::RayScene& rays,
                                          const view::ReceiverLayer& layer);
 
-/// Stand-in for E [W/m^2] at receivers in the water that the method does not cover (`covered` 0), or whose light would
-/// enter an open water outside its extent, where no light is cast: what flat water would let through, shadowed by
-/// objects on both sides of the surface. 0 elsewhere.
+/// Stand-in for E [W/m^2] at receivers in the water that the method does not cover (`covered` 0), or whose
+/// light would enter an open water outside its extent, where no light is cast: what flat water would let
+/// through, shadowed by objects on both sides of the surface. 0 elsewhere.
 std::vector<glm::vec3> flat_water_irradiance(const scene::FrameScene& scene, const rays::RayScene& rays,
                                              const view::ReceiverLayer& layer,
                                              const std::vector<std::uint8_t>& covered);
