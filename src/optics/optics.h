@@ -20,9 +20,12 @@ using glm::min;
 using glm::normalize;
 using glm::sqrt;
 using std::fma;
-#include "optics/ray_differential.h"
+// Each uses what stands before it.
+// clang-format off
 #include "optics/refraction.h"
+#include "optics/ray_differential.h"
 #include "optics/spot_light.h"
+// clang-format on
 }  // namespace f32
 
 namespace f64 {
@@ -37,9 +40,12 @@ using glm::min;
 using glm::normalize;
 using glm::sqrt;
 using std::fma;
-#include "optics/ray_differential.h"
+// Each uses what stands before it.
+// clang-format off
 #include "optics/refraction.h"
+#include "optics/ray_differential.h"
 #include "optics/spot_light.h"
+// clang-format on
 }  // namespace f64
 
 }  // namespace dapple::optics
