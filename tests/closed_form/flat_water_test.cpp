@@ -82,6 +82,39 @@ TEST_P(FlatWater, OrthographicPictureIsReflectedIrradianceAfterTheWayToTheCamera
     }
 }
 
+TEST(FlatWaterStandIn, ServesOpenWaterBeyondTheExtentInTheBeautyOnly) {
+    scene::FrameState state = state_under(30, 1.6);
+    state.camera.position.x = state.camera.target.x = 12;
+    const render::RenderedFrame frame = render_frame(state);
+    const test::FlatFloor floor = test::flat_floor(30, kDepth, kIndex);
+    const double way_to_camera = kDepth + state.camera.position.y;
+    const double expected = state.objects[0].material.color.x * glm::one_over_pi<double>() *
+                            state.lights[0].irradiance.x * floor.irradiance *
+                            std::exp(-state.water->absorption.x * (floor.way + way_to_camera));
+    // Closed form on both sides: float round-off only.
+    for (const float value : values(frame.linear, "R")) ASSERT_NEAR(value, expected, 1e-5 * expected);
+    for (const char* name : {"E.R", "caustics.R"})
+        for (const float value : values(frame.linear, name)) ASSERT_EQ(value, 0);
+}
+
+TEST(FlatWaterStandIn, ServesWhatAMirrorShows) {
+    // A mirror under the camera's eyes, 45 degrees, shows the floor beside it.
+    scene::FrameState state = state_under(0, 0.2);
+    scene::Object mirror = test::level_plane("mirror", -1, 0.6);
+    mirror.transform.rotation.z = glm::radians(45.0);
+    mirror.material.mirror = true;
+    mirror.material.color = glm::dvec3(1);
+    state.objects.push_back(mirror);
+    scene::Object wall = test::level_plane("wall", -1, 4);
+    wall.transform.rotation.z = glm::radians(-80.0);
+    wall.transform.position.x = -2;
+    state.objects.push_back(wall);
+    const render::RenderedFrame frame = render_frame(state);
+    for (const float covered : values(frame.linear, "covered")) ASSERT_EQ(covered, 0);
+    for (const float value : values(frame.linear, "E.R")) ASSERT_EQ(value, 0);
+    for (const float value : values(frame.linear, "R")) ASSERT_GT(value, 0);
+}
+
 TEST_P(FlatWater, PerspectivePictureDimsWithTheWayOfEachPixel) {
     scene::FrameState state = state_under(GetParam(), 0);
     state.camera.projection = scene::Projection::perspective;
