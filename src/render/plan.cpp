@@ -73,6 +73,7 @@ public:
         }
         plan_.caustics = !plan_.chains.empty();
         plan_method();
+        plan_stand_in();
         plan_.direct_light = !state_.lights.empty() && !state_.objects.empty();
         add("direct light", plan_.direct_light,
             plan_.direct_light ? "lights and receivers in one medium, shadowed by objects"
@@ -156,7 +157,11 @@ private:
                                : support_.degree == methods::Support::Degree::partly ? "partly"
                                                                                      : "no";
         plan_.lines.push_back({"caustics: " + state_.caustics.method, decision, support_.reason});
-        plan_.flat_water_stand_in = receivers_below_;
+    }
+
+    /// Also where no chain is traced: the camera may see the bed from above.
+    void plan_stand_in() {
+        plan_.flat_water_stand_in = receivers_below_ && !state_.lights.empty();
         if (plan_.flat_water_stand_in) {
             add("flat-water stand-in", true,
                 "beauty only, at receivers in the water that the method does not cover (E and covered are 0 "
@@ -167,8 +172,8 @@ private:
     void not_modelled() {
         add("not modelled", false,
             "multiple scattering, light from floor to surface to floor, second crossings of the water by "
-            "light, the "
-            "sun's disc as seen by the camera, occlusion of the sky term");
+            "light, light sent on by mirrors, the sun's disc as seen by the camera, occlusion of the sky "
+            "term");
     }
 
     const scene::FrameScene& scene_;

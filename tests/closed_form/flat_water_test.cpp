@@ -139,5 +139,29 @@ TEST_P(FlatWater, PerspectivePictureDimsWithTheWayOfEachPixel) {
     }
 }
 
+TEST_P(FlatWater, PictureFromAboveIsTheStandInThroughTheSurface) {
+    // Nothing stands above the water, so that no light path needs the method.
+    scene::FrameState state = test::pool_over_floor(kPatch, kDepth, 1.6, kPixels);
+    const double shift = kDepth * std::tan(std::asin(std::sin(glm::radians(GetParam())) / kIndex));
+    state.camera.position = {shift, 1, 0};
+    state.camera.target = {shift, 0, 0};
+    state.water->extent.kind = scene::ExtentKind::open_water;
+    state.lights = {test::sun_from_zenith(GetParam())};
+    const render::RenderedFrame frame = render_frame(state);
+    const test::FlatFloor floor = test::flat_floor(GetParam(), kDepth, kIndex);
+    const double outwards = 4 / (kIndex * std::pow(kIndex + 1, 2));  // (1 - F) / n^2 at normal incidence
+    for (int c = 0; c < 3; ++c) {
+        const double expected = state.objects[0].material.color[c] * glm::one_over_pi<double>() *
+                                state.lights[0].irradiance[c] * floor.irradiance * outwards *
+                                std::exp(-state.water->absorption[c] * (floor.way + kDepth));
+        for (const float value : values(frame.linear, std::string(1, kLetters[c]))) {
+            ASSERT_NEAR(value, expected, 1e-5 * expected);  // some ten roundings to float
+        }
+    }
+    // The stand-in is in the beauty only.
+    for (const char* name : {"E.G", "caustics.G", "covered"})
+        for (const float value : values(frame.linear, name)) ASSERT_EQ(value, 0) << name;
+}
+
 }  // namespace
 }  // namespace dapple
