@@ -67,7 +67,10 @@ std::size_t TimelineSource::bytes(std::int64_t frame) const {
     // memory is free again: some 32 float layers and the graded picture. In double, which no size overflows.
     const double pixels = static_cast<double>(state.clip.width) * static_cast<double>(state.clip.height);
     const double writing = std::min(pixels * 4 * (32 + 4) * sizeof(float), 0x1p62);
-    return std::max(renderer_.bytes(state), static_cast<std::size_t>(writing));
+    // What the program and its libraries, lavapipe above all, take for a picture of one pixel: 104 MB,
+    // measured.
+    constexpr std::size_t kProgram = 100 << 20;
+    return kProgram + std::max(renderer_.bytes(state), static_cast<std::size_t>(writing));
 }
 
 image::ExrOptions TimelineSource::linear_exr() const {

@@ -122,6 +122,8 @@ TEST_F(ExitCode, Of33IsTooMuchMemory) {
     expect_failure(render({"--set", "clip.resolution=[2000000000, 2000000000]"}), 33, "--max-memory");
     expect_failure(render({"--set", "caustics.map_resolution=2147483647"}), 33, "--max-memory");
     expect_failure(render({"--max-memory", "1M"}), 33, "more than the 1.0 MiB of --max-memory");
+    // The program itself, with the device's driver, is larger than that.
+    expect_failure(render({"--max-memory", "64M"}), 33, "more than the 64.0 MiB of --max-memory");
     expect_failure(render({"--max-memory", "1M", "--dry-run"}), 33, "--max-memory");
     expect_nothing_written();
 }
