@@ -277,7 +277,8 @@ TEST(CameraPaths, AnOrthographicCameraMayStandInWaterAndAirAtOnce) {
             scene.look_in_parallel({0, middle, z}, {0, middle, z - 1}, 4);
             const ReceiverLayer layer = scene.trace();
             for (std::size_t i = 0; i < layer.pixels(); ++i) {
-                const double y = middle + 2 - (static_cast<double>(i / 4) + 0.5) / 10;
+                const std::size_t row = i / 4;
+                const double y = middle + 2 - (static_cast<double>(row) + 0.5) / 10;
                 if (std::abs(y) < 0.06) continue;  // the waves
                 ASSERT_EQ(layer.flags[i], y < 0 ? kReceiver | kInWater : +kReceiver) << y;
                 ASSERT_NEAR(layer.throughput[i].x, y < 0 ? std::exp(-0.5 * 19) : 1, 1e-9) << y;
