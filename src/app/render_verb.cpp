@@ -129,6 +129,12 @@ ExitCode render(const Arguments& arguments) {
     if (options.frames.duplicates() > 0) {
         reporter.note(std::to_string(options.frames.duplicates()) + " repeated frames are rendered once");
     }
+    const auto outside = std::count_if(
+        options.frames.frames().begin(), options.frames.frames().end(),
+        [&](std::int64_t frame) { return frame < clip.first_frame || frame > clip.last_frame; });
+    if (outside > 0) {
+        reporter.note(std::to_string(outside) + " frames lie outside the clip, where its curves hold");
+    }
     try {
         const run::Job job = job_of(timeline, device, source);
         const ExitCode code = run::render_frames(job, source, options, interruption, reporter);

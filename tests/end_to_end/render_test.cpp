@@ -105,6 +105,15 @@ TEST(Render, StrictFailsAfterTheFramesAreComplete) {
     EXPECT_THAT(pictures_in(scratch / "out"), SizeIs(4));
 }
 
+TEST(Render, SaysThatFramesLieOutsideTheClip) {
+    const ScratchFolder scratch;
+    const auto outside = run_dapple(scratch, {"render", kSmall, "-f", "6,7", "-o", scratch / "out"});
+    EXPECT_EQ(outside.code, 0);
+    EXPECT_THAT(outside.output, HasSubstr("1 frames lie outside the clip"));
+    const auto inside = run_dapple(scratch, {"render", kSmall, "-f", "6", "-o", scratch / "out"});
+    EXPECT_THAT(inside.output, Not(HasSubstr("outside the clip")));
+}
+
 TEST(Render, WithoutAnEncoderThereIsAWarning) {
     const ScratchFolder scratch;
     const auto outcome = run_program(
