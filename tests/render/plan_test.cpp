@@ -125,7 +125,7 @@ TEST(Plan, LightsWithoutANameGoByTheirIndex) {
 }
 
 TEST(Plan, RepeatsTheMethodsOwnWord) {
-    const render::PlanLine& said =
+    const render::PlanLine said =
         line(render::make_plan(scene_of(pool()), TellingMethod(true)), "caustics: photon_splatting");
     EXPECT_EQ(said.decision, "partly");
     EXPECT_EQ(said.reason, "the reason");
