@@ -1,6 +1,7 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <glm/glm.hpp>
 #include <memory>
 #include <span>
@@ -23,10 +24,27 @@ struct Support {
     std::string reason;
 };
 
-/// E for one receiver layer, width * height entries.
+/// What a method can say of itself, a value a pixel: "paths.count", "E.variance.R".
+struct DataLayer {
+    std::string name;
+    std::vector<float> values;
+};
+
+/// E for one receiver layer, width * height entries: the mean over the cell of the pixel that the sample
+/// stands for (Camera::sample_cell).
 struct LayerResult {
     std::vector<glm::vec3> irradiance;  ///< W/m^2; 0 where not covered
     std::vector<std::uint8_t> covered;  ///< 1 where the method answers for this receiver
+    /// At the receivers' points; asked for (and written to the picture) for sample 0, branch 0 only.
+    std::vector<DataLayer> data;
+};
+
+/// Lets a method that takes long keep what it has, and stop.
+struct Checkpoint {
+    std::string file;  ///< the method's own, of this frame and job; empty: nothing is kept
+    std::function<bool()> stop = [] {
+        return false;
+    };  ///< the user wants to end: save, throw Error(interrupted)
 };
 
 /// What a method may use of the frame. All references outlive the frame.
@@ -37,6 +55,7 @@ struct FrameContext {
     FrameStats& stats;
     /// The light paths that the plan asks for, visited in this order; what is not listed costs nothing.
     std::vector<light::Chain> chains;
+    Checkpoint checkpoint = {};
 };
 
 /// A way to find the caustic irradiance E at receivers. A method never sees other methods, the film or the

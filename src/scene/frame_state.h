@@ -62,6 +62,9 @@ struct Water {
     /// Triangles of the mesh: cells along x; 0 picks 25 cells a shortest wave, at most 2.1 million triangles.
     int mesh_cells = 0;
     double refractive_index = 1.333;
+    /// Index at 450 nm less that at 650 nm (water: 0.0055), for light on its way to receivers: red has
+    /// refractive_index - dispersion / 2, blue + dispersion / 2.
+    double dispersion = 0;
     glm::dvec3 absorption{0.35, 0.06, 0.03};  ///< /m, a channel
     /// /m, K_d of the sky term (CONVENTIONS.md); negative: the same as absorption.
     glm::dvec3 diffuse_attenuation{-1, -1, -1};
@@ -124,8 +127,20 @@ struct PhotonSplattingParameters {
     int map_resolution = 1024;  ///< photons along the longer side of the water's extent
 };
 
+struct SlicedBeamsParameters {
+    int sun_samples = 1;  ///< equal parts of a sun's disc, each traced by its middle and widened by its size
+};
+
+struct ReferenceParameters {
+    /// Rays are added until the mean over pixels of E's standard error, over the mean of E, is below this.
+    double standard_error = 0.01;
+    int most_rays = 1000;  ///< million a light; the reference ends there though the error is larger
+};
+
 struct Caustics {
     std::string method = "photon_splatting";
+    SlicedBeamsParameters sliced_beams;
+    ReferenceParameters reference;
     PhotonSplattingParameters photon_splatting;
 };
 

@@ -14,7 +14,7 @@ using namespace build;
 
 constexpr double kMost = 2147483647;            // pixels, cells: what fits an int
 constexpr double kMostSeed = 9007199254740992;  // 2^53
-constexpr std::array<std::string_view, 1> kCausticMethods{"photon_splatting"};
+constexpr std::array<std::string_view, 3> kCausticMethods{"sliced_beams", "photon_splatting", "reference"};
 
 bool has(const std::vector<std::string_view>& given, std::string_view key) {
     return std::find(given.begin(), given.end(), key) != given.end();
@@ -235,6 +235,10 @@ const Structure& water_schema() {
             number<&Water::refractive_index>("refractive_index", Dimension::number,
                                              "of the water against air")
                 .within(1, 3),
+            number<&Water::dispersion>(
+                "dispersion", Dimension::number,
+                "index at 450 nm less that at 650 nm, for caustics: blue has half of it more, red half less")
+                .within(0, 0.2),
             number<&Water::absorption>("absorption", Dimension::per_length, "red, green, blue")
                 .at_least(0)
                 .one_for_all(),
@@ -395,6 +399,21 @@ const Structure& caustics_schema() {
                 "map_resolution", FieldKind::integer, "photons along the longer side of the water's extent")
                 .within(1, kMost)
                 .only_for({"photon_splatting"}),
+            integral<&Caustics::sliced_beams, &SlicedBeamsParameters::sun_samples>(
+                "sun_samples", FieldKind::integer,
+                "equal parts of a sun's disc, each traced by its middle and widened by its size")
+                .within(1, 1024)
+                .only_for({"sliced_beams"}),
+            number<&Caustics::reference, &ReferenceParameters::standard_error>(
+                "standard_error", Dimension::number,
+                "of E, mean over pixels over the mean of E, at which it ends")
+                .above(0)
+                .constant()
+                .only_for({"reference"}),
+            integral<&Caustics::reference, &ReferenceParameters::most_rays>(
+                "most_rays", FieldKind::integer, "million a light, at which it ends in any case")
+                .within(1, 1000000)
+                .only_for({"reference"}),
         },
         "method",
         {},

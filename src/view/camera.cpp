@@ -104,4 +104,15 @@ glm::dvec2 Camera::sample_offset(int sample, int samples) {
     return {(sample + 0.5) / samples, (rank + 0.5) / samples};
 }
 
+Camera::SampleCell Camera::sample_cell(int sample, int samples) {
+    // The offsets of 2^m samples are a (0, m, 2)-net in base 2: each cell of 2^a x 2^(m - a) holds one. For
+    // other counts each has a column of its own.
+    int rows = 1;
+    if ((samples & (samples - 1)) == 0)
+        while (4 * rows * rows <= samples) rows *= 2;
+    const int columns = samples / rows;
+    const glm::dvec2 size(1.0 / columns, 1.0 / rows);
+    return {glm::floor(sample_offset(sample, samples) / size) * size, size};
+}
+
 }  // namespace dapple::view

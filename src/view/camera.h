@@ -28,6 +28,12 @@ public:
     /// Offset of sample s of n inside the pixel, in [0, 1)^2, fixed for all pixels and frames; the first of
     /// one is the centre.
     static glm::dvec2 sample_offset(int sample, int samples);
+    /// The part of the pixel that sample s of n stands for, which holds its offset: the parts tile the pixel.
+    struct SampleCell {
+        glm::dvec2 corner{0, 0};  ///< pixels, top left
+        glm::dvec2 size{1, 1};    ///< pixels
+    };
+    static SampleCell sample_cell(int sample, int samples);
 
 private:
     scene::Camera camera_;

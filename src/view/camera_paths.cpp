@@ -101,9 +101,10 @@ LayerTracer::LayerTracer(const scene::FrameScene& scene, const rays::RayScene& r
       rays_(rays),
       request_(request),
       layer_(layer),
-      camera_(scene.state.camera, layer.width, layer.height),
+      camera_(scene.state.camera, scene.state.clip.width, scene.state.clip.height),
       geometry_(scene),
-      offset_(Camera::sample_offset(request.sample, scene.state.clip.samples)),
+      offset_(request.offset.value_or(Camera::sample_offset(request.sample, scene.state.clip.samples)) +
+              glm::dvec2(request.window ? request.window->corner : glm::ivec2(0))),
       camera_in_water_(camera_in_water(scene)),
       tiles_across_((layer.width + kTileSize - 1) / kTileSize),
       tiles_down_((layer.height + kTileSize - 1) / kTileSize) {}
@@ -436,8 +437,8 @@ void LayerTracer::end_at_receiver(const Path& path, const rays::Hit& hit, const 
 
 ReceiverLayer empty_layer(const scene::Clip& clip, LayerRequest request) {
     ReceiverLayer layer;
-    layer.width = clip.width;
-    layer.height = clip.height;
+    layer.width = request.window ? request.window->size.x : clip.width;
+    layer.height = request.window ? request.window->size.y : clip.height;
     layer.sample = request.sample;
     layer.branch = request.branch;
     const std::size_t pixels = layer.pixels();

@@ -1,4 +1,6 @@
 #pragma once
+#include <glm/glm.hpp>
+#include <optional>
 #include <vector>
 
 #include "rays/ray_scene.h"
@@ -32,6 +34,14 @@ bool camera_in_water(const scene::FrameScene& scene);
 struct LayerRequest {
     int sample = 0;
     int branch = 0;
+    /// Where in the pixel the path starts, [0, 1)^2, in place of the sample's offset.
+    std::optional<glm::dvec2> offset = {};
+    /// Part of the picture to trace, which the layer then has the size of.
+    struct Window {
+        glm::ivec2 corner{0, 0};  ///< pixels
+        glm::ivec2 size{1, 1};    ///< pixels
+    };
+    std::optional<Window> window = {};
 };
 struct LayerCounts {
     std::size_t split_pixels = 0;  ///< pixels whose path splits: branch 1 is worth tracing where this is > 0

@@ -68,6 +68,7 @@ scene::FrameState sea_over_floor(double zenith_degrees) {
     state.water->extent.kind = scene::ExtentKind::open_water;
     state.water->surface.waves = gentle_sea();
     state.water->absorption = glm::dvec3(0);
+    state.caustics.method = "photon_splatting";
     state.caustics.photon_splatting.map_resolution = 1024;
     state.lights = {test::sun_from_zenith(zenith_degrees)};
     return state;

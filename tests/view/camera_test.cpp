@@ -117,5 +117,21 @@ TEST(Camera, SampleOffsetsAreSpreadAboutTheCentre) {
     EXPECT_EQ(quarters.size(), 4u);
 }
 
+TEST(Camera, SampleCellsTileThePixelAndHoldTheirSamples) {
+    for (const int samples : {1, 2, 3, 4, 7, 8, 16, 64}) {
+        std::set<std::pair<double, double>> corners;
+        double area = 0;
+        for (int s = 0; s < samples; ++s) {
+            const Camera::SampleCell cell = Camera::sample_cell(s, samples);
+            const glm::dvec2 inside = (Camera::sample_offset(s, samples) - cell.corner) / cell.size;
+            EXPECT_TRUE(inside.x >= 0 && inside.x < 1 && inside.y >= 0 && inside.y < 1);
+            corners.emplace(cell.corner.x, cell.corner.y);
+            area += cell.size.x * cell.size.y;
+        }
+        EXPECT_EQ(corners.size(), static_cast<std::size_t>(samples)) << "each sample a cell of its own";
+        EXPECT_NEAR(area, 1, 1e-15);
+    }
+}
+
 }  // namespace
 }  // namespace dapple::view

@@ -1,0 +1,74 @@
+#pragma once
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <string>
+#include <vector>
+
+#include "base/stats.h"
+#include "light/beam_mesh.h"
+#include "rays/ray_scene.h"
+#include "scene/frame_scene.h"
+
+namespace dapple::light {
+
+/// Flux that a light sends onto the water and that no beam carries, by cause; unit of BeamSheet::flux.
+struct BeamLosses {
+    double wave_shadow = 0;       ///< other waves stand between the light and the facet
+    double total_reflection = 0;  ///< transmission from below: beyond the critical angle
+    double outside_cone = 0;      ///< direction in no sheet's cone about its axis
+    double not_finite = 0;        ///< facets with vertices or normals that are not finite
+    /// Carried by beams all the same, but these meet the water a second time, which is not followed.
+    double second_crossing = 0;
+};
+
+/// A beam mesh whose grid is the water mesh itself: every vertex is a ray just after one event at the water,
+/// every triangle a caustic beam. Mesh space has the orthonormal right-handed axes a, b and `axis` (the mean
+/// direction of travel) and its zero at FrameScene::origin; `depth` runs along the axis. A ray passes
+/// (a + depth slope_a, b + depth slope_b, depth), so landing points are linear in depth.
+template <class Real>
+struct BeamSheet {
+    struct Ray {
+        Real a, b;              ///< m, where it passes (or would pass) the plane depth = 0
+        Real slope_a, slope_b;  ///< m a m of depth
+    };
+
+    std::string name;  ///< for plans and stats: "sun > water:T"
+    int light = 0;     ///< index into FrameState::lights
+    Event event = Event::transmission;
+    bool from_below = false;  ///< the light is under water: T lands in the air, R in the water
+    /// Whether the rays travel through the water after the event.
+    bool in_water() const { return from_below == (event == Event::reflection); }
+
+    /// Direction of travel of the light of this sheet (a sun: one direction of its disc); 0 for point, spot.
+    glm::dvec3 light_direction{0, 0, 0};
+    /// W/m^2 or W/sr a channel that a flux of 1 stands for: the light's, times the share of the sun's disc,
+    /// 0 in channels that the sheet does not carry (dispersion).
+    glm::dvec3 color{0, 0, 0};
+    glm::dmat3 world_from_mesh{1.0};  ///< columns: a, b, axis
+
+    int rows = 0;  ///< of vertices, as WaterMesh; 0: indexed
+    int columns = 0;
+    std::vector<Ray> rays;            ///< a vertex of the water mesh; finite also where not valid
+    std::vector<Real> start;          ///< m, depth at which the ray leaves the water surface
+    std::vector<std::uint8_t> valid;  ///< 1 where there is a ray of this sheet
+    /// A triangle of the water mesh, after Fresnel and wave shadows, for a light of unit irradiance (sun:
+    /// m^2) or unit intensity (point, spot: sr). 0 where a vertex has no ray; never negative.
+    std::vector<Real> flux;
+    /// The part of the sun's disc that this sheet stands for: semi-axes of the ellipse by which a landing
+    /// point moves, in (a, b), m a m of way along the axis below the surface; 0: none.
+    glm::dvec2 disc_u{0, 0};
+    glm::dvec2 disc_v{0, 0};
+
+    BeamLosses losses;  ///< of this sheet's share; those of a chain are on its first sheet
+};
+
+/// Beams of one light after one event, in a fixed order: the directions of the sun's disc (`sun_samples`
+/// equal parts of it, the same in every frame; 1: its middle; each with its part's ellipse), within these
+/// the channels (one sheet for all without dispersion), within these the axes where one cone cannot hold all
+/// directions. dot(direction, axis) > 0.1 for all rays. Fluxes of a chain, with its losses, sum to what the
+/// light sends onto the lit side of the water. Occlusion by objects is not in the fluxes.
+template <class Real>
+std::vector<BeamSheet<Real>> water_beams(const scene::FrameScene& scene, const rays::RayScene& rays,
+                                         Chain chain, int sun_samples, FrameStats& stats);
+
+}  // namespace dapple::light
