@@ -36,7 +36,7 @@ struct LayerResult {
     std::vector<glm::vec3> irradiance;  ///< W/m^2; 0 where not covered
     std::vector<std::uint8_t> covered;  ///< 1 where the method answers for this receiver
     /// At the receivers' points; asked for (and written to the picture) for sample 0, branch 0 only.
-    std::vector<DataLayer> data;
+    std::vector<DataLayer> data = {};
 };
 
 /// Lets a method that takes long keep what it has, and stop.
