@@ -1,5 +1,6 @@
 #include "render/film.h"
 
+#include <cassert>
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 
@@ -53,11 +54,13 @@ Film::Film(int width, int height, int samples, const scene::Sky& sky)
 }
 
 std::size_t Film::bytes_per_pixel() {
-    return 2 * (9 * sizeof(glm::vec3) + 3 * sizeof(float));
+    constexpr std::size_t sums = 9 * sizeof(glm::vec3) + 3 * sizeof(float);
+    return sums + kMostMethodChannels * sizeof(float) + (kOwnChannels + kMostMethodChannels) * sizeof(float);
 }
 
-void Film::add(const view::ReceiverLayer& layer, const LayerShading& shading, glm::dvec3 origin) {
+void Film::add(const view::ReceiverLayer& layer, LayerShading shading, glm::dvec3 origin) {
     const bool data = layer.sample == 0 && layer.branch == 0;
+    if (data) method_data_ = std::move(shading.caustics.data);
     const float inverse_pi = glm::one_over_pi<float>();
     parallel_for(layer.pixels(), kTile, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
@@ -114,6 +117,11 @@ image::Image Film::finish(NonFinite& non_finite) const {
     write.vector("N.", "XYZ", normal_, 1);
     write.scalar("Z", depth_, 1);
     write.scalar("covered", covered_, weight_);
+    assert(image.channels.size() == kOwnChannels && method_data_.size() <= kMostMethodChannels);
+    for (const methods::DataLayer& layer : method_data_) {
+        assert(layer.values.size() == image.pixels() && !image.find(layer.name));
+        write.scalar(layer.name, layer.values, 1);
+    }
     for (image::Channel& channel : image.channels) {
         for (std::size_t i = 0; i < channel.values.size(); ++i) {
             if (std::isfinite(channel.values[i])) continue;

@@ -23,8 +23,12 @@ struct LayerShading {
 /// the mean over samples. The layers must come in a fixed order.
 class Film {
 public:
+    /// Channels of the picture: its own, and those that a method may add.
+    static constexpr std::size_t kOwnChannels = 30;
+    static constexpr std::size_t kMostMethodChannels = 8;
+
     Film(int width, int height, int samples, const scene::Sky& sky);
-    void add(const view::ReceiverLayer& layer, const LayerShading& shading, glm::dvec3 origin);
+    void add(const view::ReceiverLayer& layer, LayerShading shading, glm::dvec3 origin);
     /// The layers of CONVENTIONS.md. What is not finite becomes 0 and is counted.
     image::Image finish(NonFinite& non_finite) const;
     /// Bytes of the sums and of the image that they become, a pixel.
@@ -41,6 +45,7 @@ private:
     /// Data of sample 0, branch 0.
     std::vector<glm::vec3> albedo_, position_, normal_;
     std::vector<float> depth_;
+    std::vector<methods::DataLayer> method_data_;
 };
 
 }  // namespace dapple::render

@@ -66,14 +66,15 @@ struct Kept {
 /// The passes of one frame, in their order.
 class FramePasses {
 public:
-    FramePasses(Kept& kept, const scene::FrameState& state, FrameStats& stats)
+    FramePasses(Kept& kept, const scene::FrameState& state, FrameStats& stats,
+                const methods::Checkpoint& checkpoint)
         : kept_(kept),
           stats_(stats),
           method_(kept.method(state.caustics.method)),
           scene_(build_scene(state)),
           plan_(make_plan(scene_, method_)),
           rays_(build_rays()),
-          context_{scene_, rays_, kept.device, stats, plan_.chains},
+          context_{scene_, rays_, kept.device, stats, plan_.chains, checkpoint},
           film_(state.clip.width, state.clip.height, state.clip.samples, state.sky) {}
 
     RenderedFrame run() {
@@ -150,7 +151,7 @@ private:
             shading.flat_water = plan_.flat_water_stand_in ? flat_water_irradiance(scene_, rays_, layers[i],
                                                                                    shading.caustics.covered)
                                                            : dark;
-            film_.add(layers[i], shading, scene_.origin);
+            film_.add(layers[i], std::move(shading), scene_.origin);
         }
     }
 
@@ -177,8 +178,9 @@ std::vector<PlanLine> FrameRenderer::plan(const scene::FrameState& state) {
     return make_plan(state_->kept.builder.build(state), state_->kept.method(state.caustics.method)).lines;
 }
 
-RenderedFrame FrameRenderer::render(const scene::FrameState& state, FrameStats& stats) {
-    return FramePasses(state_->kept, state, stats).run();
+RenderedFrame FrameRenderer::render(const scene::FrameState& state, FrameStats& stats,
+                                    const methods::Checkpoint& checkpoint) {
+    return FramePasses(state_->kept, state, stats, checkpoint).run();
 }
 
 std::size_t FrameRenderer::bytes(const scene::FrameState& state) const {

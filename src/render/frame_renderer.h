@@ -7,6 +7,7 @@
 #include "base/stats.h"
 #include "gpu/device.h"
 #include "image/image.h"
+#include "methods/caustic_method.h"
 #include "scene/frame_state.h"
 
 namespace dapple::render {
@@ -41,7 +42,9 @@ public:
 
     /// Builds the scene of the frame, traces nothing.
     std::vector<PlanLine> plan(const scene::FrameState& state);
-    RenderedFrame render(const scene::FrameState& state, FrameStats& stats);
+    /// `checkpoint` is the method's; what it throws on a stop, Error(interrupted), passes through.
+    RenderedFrame render(const scene::FrameState& state, FrameStats& stats,
+                         const methods::Checkpoint& checkpoint = {});
     /// Estimated peak memory of a frame in bytes, without loading anything large.
     std::size_t bytes(const scene::FrameState& state) const;
 

@@ -12,6 +12,7 @@
 
 #include "base/checked_file.h"
 #include "base/hash.h"
+#include "render/film.h"
 #include "run/manifest.h"
 #include "run/memory_budget.h"
 #include "run/output_paths.h"
@@ -63,9 +64,12 @@ public:
         paths_.make_folders();
         const FolderLock lock(options_.folder);
         open_manifest();  // again, now that nobody else can change it
-        for (const std::string& folder : {paths_.folder(), paths_.linear_folder(), paths_.graded_folder()}) {
+        for (const std::string& folder :
+             {paths_.folder(), paths_.linear_folder(), paths_.graded_folder(), paths_.checkpoint_folder()}) {
             remove_stale_temporaries(folder);
         }
+        // Before the manifest claims the folder: what another job left must never be taken up by this one.
+        if (!resumes_) paths_.remove_checkpoints();
         save();  // shows that the folder can be written before time is spent
         tidy_stats(paths_.stats(), manifest_.frames);
         if (!other_tools_.empty()) {
@@ -81,24 +85,26 @@ public:
             throw;
         }
         tidy_stats(paths_.stats(), manifest_.frames);
+        paths_.remove_checkpoint_folder_if_empty();
         return end();
     }
 
 private:
     void open_manifest() {
         manifest_ = Manifest{};
+        resumes_ = false;
         if (options_.existing == Existing::overwrite) {
             open_to_overwrite();
-        } else if (std::optional<Manifest> known = read_manifest(paths_.manifest());
-                   known &&
-                   !known->frames.empty()) {  // a job that failed before its first frame claims nothing
-            if (known->job_hash != job_.hash()) {
+        } else if (std::optional<Manifest> known = read_manifest(paths_.manifest()); known) {
+            resumes_ = known->job_hash == job_.hash();
+            // A job that failed before its first frame claims nothing.
+            if (!resumes_ && !known->frames.empty()) {
                 throw Error(ExitCode::usage, options_.folder + " holds frames of another job (other: " +
                                                  differences(job_.parts, known->parts) +
                                                  "): choose another folder with -o, or replace them with "
                                                  "--existing overwrite");
             }
-            manifest_ = std::move(*known);
+            if (!known->frames.empty()) manifest_ = std::move(*known);
         }
         other_tools_ = manifest_.frames.empty() ? "" : differences(job_.provenance, manifest_.provenance);
         manifest_.job_hash = job_.hash();
@@ -149,9 +155,10 @@ private:
         for (const std::int64_t frame : options_.frames.frames()) {
             if (interruption_.requested()) return;
             if (keeps(frame)) {
+                paths_.remove_checkpoint(frame);  // left by a kill just after the frame was entered
                 reporter_.frame_kept(frame);
-            } else {
-                render(frame);
+            } else if (!render(frame)) {
+                return;
             }
         }
         complete_ = true;
@@ -166,12 +173,15 @@ private:
                matches(paths_.graded(frame), entry->second.graded, content);
     }
 
-    void render(std::int64_t frame) {
+    /// False where the source has broken the frame off to stop.
+    bool render(std::int64_t frame) {
         const double wall_start = wall_seconds();
         const double cpu_start = cpu_seconds();
         check_memory(source_, FrameSet::range(frame, frame), options_.max_memory);
         FrameStats stats;
-        const SourceFrame pictures = source_.render(frame, stats);
+        const std::optional<SourceFrame> rendered = ask_source(frame, stats);
+        if (!rendered) return false;
+        const SourceFrame& pictures = *rendered;
         FrameEntry entry;
         for (const render::PlanLine& line : pictures.plan) {
             if (line.decision == "partly") entry.partly.push_back(line.pass + ": " + line.reason);
@@ -200,8 +210,21 @@ private:
         append_stats(paths_.stats(), stats_line(frame, cost, stats, entry));
         manifest_.frames[frame] = entry;
         save();
+        paths_.remove_checkpoint(frame);
         reporter_.frame_rendered(frame, cost.wall_s, cost.cpu_s, entry.linear.bytes + entry.graded.bytes,
                                  entry.non_finite);
+        return true;
+    }
+
+    std::optional<SourceFrame> ask_source(std::int64_t frame, FrameStats& stats) {
+        paths_.make_checkpoint_folder();
+        try {
+            return source_.render(frame, stats,
+                                  {paths_.checkpoint(frame), [this] { return interruption_.requested(); }});
+        } catch (const Error& error) {
+            if (error.code() == ExitCode::interrupted) return std::nullopt;
+            throw;
+        }
     }
 
     ExitCode end() {
@@ -277,6 +300,7 @@ private:
 
     /// After a failure the first message counts, also where the disk has no room for the statistics.
     void leave_tidy() const {
+        paths_.remove_checkpoint_folder_if_empty();
         try {
             tidy_stats(paths_.stats(), manifest_.frames);
         } catch (const std::exception&) {
@@ -293,14 +317,16 @@ private:
     Manifest manifest_;
     std::string
         other_tools_;  ///< in which the machine differs from the one that made the frames in the manifest
+    bool resumes_ = false;  ///< the folder is this job's and its frames are not made anew
     bool complete_ = false;
 };
 
 }  // namespace
 
 double largest_frame_bytes(const scene::Clip& clip) {
-    // Some 32 float layers and 4 half ones, as if nothing were compressed.
-    return static_cast<double>(clip.width) * static_cast<double>(clip.height) * (32 * 4 + 4 * 2);
+    // Float channels and 4 half ones, as if nothing were compressed.
+    constexpr std::size_t channels = render::Film::kOwnChannels + render::Film::kMostMethodChannels;
+    return static_cast<double>(clip.width) * static_cast<double>(clip.height) * (channels * 4 + 4 * 2);
 }
 
 void check_memory(const FrameSource& source, const FrameSet& frames, std::uint64_t max_memory) {

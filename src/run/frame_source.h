@@ -5,6 +5,7 @@
 
 #include "base/stats.h"
 #include "image/image.h"
+#include "methods/caustic_method.h"
 #include "render/frame_renderer.h"
 
 namespace dapple::run {
@@ -22,7 +23,10 @@ struct SourceFrame {
 class FrameSource {
 public:
     virtual ~FrameSource() = default;
-    virtual SourceFrame render(std::int64_t frame, FrameStats& stats) = 0;
+    /// May keep what it has in the checkpoint's file and throw Error(interrupted) when that asks to stop;
+    /// with the file or without, the frame gets the same bits.
+    virtual SourceFrame render(std::int64_t frame, FrameStats& stats,
+                               const methods::Checkpoint& checkpoint) = 0;
     /// Estimated peak memory of a frame in bytes; loads nothing.
     virtual std::size_t bytes(std::int64_t frame) const = 0;
 };

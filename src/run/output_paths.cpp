@@ -8,6 +8,27 @@
 #include "base/error.h"
 
 namespace dapple::run {
+namespace {
+
+constexpr const char* kCheckpointExtension = ".partial";
+
+void make_folder(const std::string& path) {
+    std::error_code reason;
+    std::filesystem::create_directories(path, reason);
+    if (reason) {
+        throw Error(ExitCode::output_unwritable, "cannot make the folder " + path + ": " + reason.message());
+    }
+}
+
+void remove_file(const std::string& path) {
+    std::error_code reason;
+    std::filesystem::remove(path, reason);
+    if (reason) {
+        throw Error(ExitCode::output_unwritable, "cannot remove " + path + ": " + reason.message());
+    }
+}
+
+}  // namespace
 
 OutputPaths::OutputPaths(std::string folder, std::string clip_name)
     : folder_(std::move(folder)), clip_name_(std::move(clip_name)) {
@@ -19,21 +40,41 @@ OutputPaths::OutputPaths(std::string folder, std::string clip_name)
     }
 }
 
-std::string OutputPaths::file_name(std::int64_t frame) const {
+std::string OutputPaths::file_name(std::int64_t frame, const char* extension) const {
     char digits[32];
     std::snprintf(digits, sizeof digits, "%04lld", static_cast<long long>(frame));
-    return clip_name_ + "." + digits + ".exr";
+    return clip_name_ + "." + digits + extension;
+}
+
+std::string OutputPaths::checkpoint(std::int64_t frame) const {
+    return checkpoint_folder() + "/" + file_name(frame, kCheckpointExtension);
 }
 
 void OutputPaths::make_folders() const {
-    for (const std::string& path : {linear_folder(), graded_folder()}) {
-        std::error_code reason;
-        std::filesystem::create_directories(path, reason);
-        if (reason) {
-            throw Error(ExitCode::output_unwritable,
-                        "cannot make the folder " + path + ": " + reason.message());
-        }
+    for (const std::string& path : {linear_folder(), graded_folder()}) make_folder(path);
+}
+
+void OutputPaths::make_checkpoint_folder() const {
+    make_folder(checkpoint_folder());
+}
+
+void OutputPaths::remove_checkpoint(std::int64_t frame) const {
+    remove_file(checkpoint(frame));
+}
+
+void OutputPaths::remove_checkpoints() const {
+    std::error_code missing;
+    std::filesystem::directory_iterator files(checkpoint_folder(), missing);
+    if (missing) return;
+    // Those of other clips too, but nothing that dapple did not write.
+    for (const auto& file : files) {
+        if (file.path().extension() == kCheckpointExtension) remove_file(file.path().string());
     }
+}
+
+void OutputPaths::remove_checkpoint_folder_if_empty() const noexcept {
+    std::error_code not_empty;
+    std::filesystem::remove(checkpoint_folder(), not_empty);
 }
 
 }  // namespace dapple::run

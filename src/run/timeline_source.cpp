@@ -4,6 +4,7 @@
 
 #include "base/hash.h"
 #include "rays/ray_scene.h"
+#include "render/film.h"
 
 namespace dapple::run {
 namespace {
@@ -37,9 +38,10 @@ std::vector<render::PlanLine> TimelineSource::plan(std::int64_t frame) {
     return renderer_.plan(timeline_.at(frame));
 }
 
-SourceFrame TimelineSource::render(std::int64_t frame, FrameStats& stats) {
+SourceFrame TimelineSource::render(std::int64_t frame, FrameStats& stats,
+                                   const methods::Checkpoint& checkpoint) {
     const scene::FrameState state = timeline_.at(frame);
-    render::RenderedFrame rendered = renderer_.render(state, stats);
+    render::RenderedFrame rendered = renderer_.render(state, stats, checkpoint);
     SourceFrame result{
         std::move(rendered.linear), {}, std::move(rendered.non_finite), std::move(rendered.plan)};
     const ScopedPass pass(stats, "grade");
@@ -64,9 +66,10 @@ SourceFrame TimelineSource::render(std::int64_t frame, FrameStats& stats) {
 std::size_t TimelineSource::bytes(std::int64_t frame) const {
     const scene::FrameState state = timeline_.at(frame);
     // Writing holds the picture four times (itself, encoded, read back, decoded), when the rendering's own
-    // memory is free again: some 32 float layers and the graded picture. In double, which no size overflows.
+    // memory is free again: its float channels and the graded picture. In double, which no size overflows.
     const double pixels = static_cast<double>(state.clip.width) * static_cast<double>(state.clip.height);
-    const double writing = std::min(pixels * 4 * (32 + 4) * sizeof(float), 0x1p62);
+    constexpr std::size_t channels = render::Film::kOwnChannels + render::Film::kMostMethodChannels + 4;
+    const double writing = std::min(pixels * 4 * channels * sizeof(float), 0x1p62);
     // What the program and its libraries, lavapipe above all, take for a picture of one pixel: 104 MB,
     // measured.
     constexpr std::size_t kProgram = 100 << 20;

@@ -17,7 +17,7 @@ public:
 
     /// What render() would do and why; builds the scene, casts no light.
     std::vector<render::PlanLine> plan(std::int64_t frame);
-    SourceFrame render(std::int64_t frame, FrameStats& stats) override;
+    SourceFrame render(std::int64_t frame, FrameStats& stats, const methods::Checkpoint& checkpoint) override;
     std::size_t bytes(std::int64_t frame) const override;
 
     image::ExrOptions linear_exr() const;

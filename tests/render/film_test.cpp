@@ -79,6 +79,25 @@ TEST(Film, SecondBranchAddsLightButNoData) {
     EXPECT_EQ(value(image, "A", 0), 1);
 }
 
+TEST(Film, AMethodsDataAreThoseOfTheFirstSampleAndBranch) {
+    const auto shading = [](float value) {
+        render::LayerShading made = shading_of(1);
+        made.caustics.data = {{"paths.count", {value, 0}}, {"E.variance.R", {0.5f, value}}};
+        return made;
+    };
+    render::Film film(2, 1, 2, {{0, 0, 0}});
+    film.add(layer_of(0, 0), shading(3), {});
+    film.add(layer_of(0, 1), shading(7), {});
+    film.add(layer_of(1, 0), shading(8), {});
+    render::NonFinite non_finite;
+    const image::Image image = film.finish(non_finite);
+    EXPECT_EQ(value(image, "paths.count", 0), 3);
+    EXPECT_EQ(value(image, "paths.count", 1), 0);
+    EXPECT_EQ(value(image, "E.variance.R", 0), 0.5f);
+    EXPECT_EQ(value(image, "E.variance.R", 1), 3);
+    EXPECT_EQ(image.channels.size(), render::Film::kOwnChannels + 2);
+}
+
 TEST(Film, NonFiniteValuesAreReplacedCountedAndPlaced) {
     render::Film film(2, 1, 1, {{0, 0, 0}});
     render::LayerShading shading = shading_of(1);

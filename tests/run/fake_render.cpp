@@ -1,5 +1,5 @@
-// fake_render FOLDER FRAMES [delay=MS] [threads=N] [encoder=PROGRAM] [large=FRAME] [fsize=BYTES]
-// Renders made-up frames through the frame loop; exits like dapple.
+// fake_render FOLDER FRAMES [delay=MS] [threads=N] [encoder=PROGRAM] [large=FRAME] [fsize=BYTES] [slow=FRAME]
+// [step=MS] Renders made-up frames through the frame loop; exits like dapple.
 #include <sys/resource.h>
 
 #include <cstdio>
@@ -25,6 +25,8 @@ int main(int argc, char** argv) {
             if (argument.starts_with("threads=")) set_thread_count(std::stoi(value));
             if (argument.starts_with("encoder=")) options.encoder = value;
             if (argument.starts_with("large=")) source.large.insert(std::stoi(value));
+            if (argument.starts_with("slow=")) source.slow.insert(std::stoi(value));
+            if (argument.starts_with("step=")) source.step = std::chrono::milliseconds(std::stoi(value));
             if (argument.starts_with("fsize=")) {
                 const rlimit limit{std::stoul(value), std::stoul(value)};
                 setrlimit(RLIMIT_FSIZE, &limit);

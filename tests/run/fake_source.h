@@ -1,9 +1,11 @@
 #pragma once
 #include <chrono>
+#include <fstream>
 #include <set>
 #include <string>
 #include <thread>
 
+#include "base/checked_file.h"
 #include "base/error.h"
 #include "base/hash.h"
 #include "base/parallel.h"
@@ -24,11 +26,18 @@ public:
     std::set<std::int64_t> partly;       ///< a pass of the plan
     std::set<std::int64_t> large;        ///< 64 times the pixels
     std::vector<std::int64_t> rendered;  ///< frames asked for so far
+    std::set<std::int64_t> slow;         ///< frames of kSteps steps, each kept in the checkpoint
+    int steps_before_stop = -1;          ///< stops by itself after so many; -1: only where the loop asks
+    std::chrono::milliseconds step{0};
+    int steps_taken = 0;  ///< by all frames
+    static constexpr int kSteps = 10;
 
-    SourceFrame render(std::int64_t frame, FrameStats& stats) override {
+    SourceFrame render(std::int64_t frame, FrameStats& stats,
+                       const methods::Checkpoint& checkpoint) override {
         const ScopedPass pass(stats, "noise");
         if (broken.contains(frame)) throw Error(ExitCode::input_unreadable, "mesh.obj: no such file");
         rendered.push_back(frame);
+        take_steps(frame, checkpoint);
         std::this_thread::sleep_for(delay);
         const int scale = large.contains(frame) ? 8 : 1;
         SourceFrame result;
@@ -43,6 +52,20 @@ public:
     std::size_t bytes(std::int64_t) const override { return memory; }
 
 private:
+    /// Does the steps that the checkpoint does not hold yet.
+    void take_steps(std::int64_t frame, const methods::Checkpoint& checkpoint) {
+        if (!slow.contains(frame)) return;
+        int done = 0;
+        std::ifstream(checkpoint.file) >> done;
+        while (done < kSteps) {
+            if (steps_before_stop == 0 || checkpoint.stop()) throw Error(ExitCode::interrupted, "stopped");
+            if (steps_before_stop > 0) --steps_before_stop;
+            std::this_thread::sleep_for(step);
+            ++steps_taken;
+            write_file_atomically(checkpoint.file, std::to_string(++done));
+        }
+    }
+
     image::Image noise(std::int64_t frame, int scale, const std::vector<std::string>& names,
                        image::PixelType type) const {
         image::Image image;

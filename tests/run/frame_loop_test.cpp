@@ -221,6 +221,65 @@ TEST_F(FrameLoopTest, AFrameThatFailsLosesNothingElse) {
     EXPECT_THAT(source.rendered, ElementsAre(3, 4, 5, 6));
 }
 
+TEST_F(FrameLoopTest, AFrameThatIsBrokenOffGoesOnFromItsCheckpoint) {
+    ASSERT_EQ(render(scratch / "whole", "1-6"), ExitCode::done);
+    source.slow = {3};
+    source.steps_before_stop = 4;
+    EXPECT_EQ(render(scratch / "out", "1-6"), ExitCode::interrupted);
+    EXPECT_THAT(out, HasSubstr("interrupted; the same command goes on: 2 frames rendered"));
+    EXPECT_THAT(read_manifest(scratch / "out/manifest.json")->frames, SizeIs(2));
+    EXPECT_THAT(pictures_in(scratch / "out"), SizeIs(4));
+    EXPECT_EQ(file_text(scratch / "out/checkpoint/fake.0003.partial"), "4");
+
+    source.steps_before_stop = -1;
+    EXPECT_EQ(render(scratch / "out", "1-6"), ExitCode::done);
+    EXPECT_EQ(source.steps_taken, FakeSource::kSteps);  // none twice
+    EXPECT_THAT(source.rendered, ElementsAre(3, 4, 5, 6));
+    EXPECT_FALSE(std::filesystem::exists(scratch / "out/checkpoint"));
+    EXPECT_TRUE(pictures_in(scratch / "out") == pictures_in(scratch / "whole"));
+}
+
+TEST_F(FrameLoopTest, ACheckpointOfAnotherJobIsNotUsed) {
+    // The first frame is broken off: the job has a checkpoint, but no frame that would claim the folder.
+    const auto leave_checkpoint = [&](const std::string& folder) {
+        source.slow = {1};
+        source.steps_before_stop = 4;
+        ASSERT_EQ(render(folder, "1"), ExitCode::interrupted);
+        ASSERT_TRUE(std::filesystem::exists(folder + "/checkpoint/fake.0001.partial"));
+        source.steps_before_stop = -1;
+        source.steps_taken = 0;
+    };
+    leave_checkpoint(scratch / "edited");
+    EXPECT_EQ(render(scratch / "edited", "1", Existing::verify, fake_job("b")), ExitCode::done);
+    EXPECT_EQ(source.steps_taken, FakeSource::kSteps);
+
+    leave_checkpoint(scratch / "overwritten");
+    EXPECT_EQ(render(scratch / "overwritten", "1", Existing::overwrite), ExitCode::done);
+    EXPECT_EQ(source.steps_taken, FakeSource::kSteps);
+
+    leave_checkpoint(scratch / "manifest lost");
+    std::filesystem::remove(scratch / "manifest lost/manifest.json");
+    EXPECT_EQ(render(scratch / "manifest lost", "1"), ExitCode::done);
+    EXPECT_EQ(source.steps_taken, FakeSource::kSteps);
+
+    leave_checkpoint(scratch / "same");
+    EXPECT_EQ(render(scratch / "same", "1"), ExitCode::done);
+    EXPECT_EQ(source.steps_taken, FakeSource::kSteps - 4);
+}
+
+TEST_F(FrameLoopTest, ACheckpointOfAFinishedFrameGoes) {
+    ASSERT_EQ(render(scratch / "out", "1-2"), ExitCode::done);
+    std::filesystem::create_directory(scratch / "out/checkpoint");
+    for (const char* name : {"fake.0001.partial", "fake.0004.partial", "notes"})
+        std::ofstream(scratch / (std::string("out/checkpoint/") + name)) << "9";
+    ASSERT_EQ(render(scratch / "out", "1-2"), ExitCode::done);
+    EXPECT_FALSE(std::filesystem::exists(scratch / "out/checkpoint/fake.0001.partial"));
+    EXPECT_TRUE(std::filesystem::exists(scratch / "out/checkpoint/fake.0004.partial"));
+    ASSERT_EQ(render(scratch / "out", "1", Existing::overwrite), ExitCode::done);
+    EXPECT_FALSE(std::filesystem::exists(scratch / "out/checkpoint/fake.0004.partial"));
+    EXPECT_TRUE(std::filesystem::exists(scratch / "out/checkpoint/notes"));
+}
+
 TEST_F(FrameLoopTest, TooMuchMemoryIsRefusedBeforeAnythingIsWritten) {
     options.max_memory = 999;
     EXPECT_EQ(render(scratch / "out", "1-6"), ExitCode::out_of_memory_budget);

@@ -105,6 +105,21 @@ TEST(Signal, TheFirstFinishesTheFrameAndEndsWith75) {
     }
 }
 
+TEST(Signal, TheFirstReachesAMethodThatKeepsCheckpoints) {
+    const ScratchFolder scratch;
+    const std::string folder = scratch / "out";
+    // Ten steps of 200 ms: without the checkpoint's stop() the frame would be finished.
+    ChildProcess child(fake_render(folder, "1-2", {"slow=1", "step=200"}), scratch / "log");
+    wait_for_file(folder + "/checkpoint/fake.0001.partial");
+    child.signal(SIGTERM);
+    EXPECT_EQ(child.wait(), 75);
+    EXPECT_TRUE(pictures_in(folder).empty());
+    EXPECT_TRUE(std::filesystem::exists(folder + "/checkpoint/fake.0001.partial"));
+    EXPECT_EQ(run_program(fake_render(folder, "1-2", {"slow=1"}), scratch / "log").code, 0);
+    EXPECT_THAT(pictures_in(folder), SizeIs(4));
+    EXPECT_FALSE(std::filesystem::exists(folder + "/checkpoint"));
+}
+
 TEST(Signal, TheSecondEndsAtOnce) {
     const ScratchFolder scratch;
     const std::pair<int, int> cases[] = {{SIGINT, 130}, {SIGTERM, 143}, {SIGHUP, 143}};
