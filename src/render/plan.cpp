@@ -135,6 +135,10 @@ private:
         const bool lands_above = (event == light::Event::reflection) == above;
         const std::string name = light.name.empty() ? "lights[" + std::to_string(index) + "]" : light.name;
         const std::string pass = name + " > water:" + event_name(event);
+        if (support_.degree == methods::Support::Degree::no) {
+            add(pass, false, "the method does not serve this scene");
+            return;
+        }
         if (!(lands_above ? receivers_above_ : receivers_below_)) {
             add(pass, false, lands_above ? "nothing stands above the water" : "nothing lies below the water");
             return;
@@ -145,11 +149,22 @@ private:
             return;
         }
         plan_.chains.push_back({index, event});
-        add(pass, true, lands_above ? "objects above the water" : "objects below the water");
+        std::string reason = lands_above ? "objects above the water" : "objects below the water";
+        if (among_waves(light)) {
+            reason += std::string("; the lamp is among the waves and counts as ") +
+                      (above ? "above" : "under") + " water: what it sends onto their other side is lost";
+        }
+        add(pass, true, reason);
+    }
+
+    /// Whether some of the water's surface is higher than the lamp and some lower.
+    bool among_waves(const scene::Light& light) const {
+        return light.type != scene::LightType::sun &&
+               std::abs(light.position.y) <= scene_.water->largest_height;
     }
 
     void plan_method() {
-        if (!plan_.caustics) {
+        if (!plan_.caustics && support_.degree != methods::Support::Degree::no) {
             add("caustics: " + state_.caustics.method, false, "no light path needs it");
             return;
         }
@@ -161,12 +176,17 @@ private:
 
     /// Also where no chain is traced: the camera may see the bed from above.
     void plan_stand_in() {
-        plan_.flat_water_stand_in = receivers_below_ && !state_.lights.empty();
-        if (plan_.flat_water_stand_in) {
-            add("flat-water stand-in", true,
-                "beauty only, at receivers in the water that the method does not cover (E and covered are 0 "
-                "there)");
+        if (!receivers_below_ || state_.lights.empty()) return;
+        const bool open = state_.water->extent.kind == scene::ExtentKind::open_water;
+        std::string reason;
+        if (!serves_behind_specular_ || support_.degree != methods::Support::Degree::yes)
+            reason = "at receivers in the water that the method does not cover (E and covered are 0 there)";
+        if (open) {
+            reason += std::string(reason.empty() ? "" : ", and ") +
+                      "for light that enters open water beyond its extent (not in E)";
         }
+        plan_.flat_water_stand_in = !reason.empty();
+        if (plan_.flat_water_stand_in) add("flat-water stand-in", true, "beauty only, " + reason);
     }
 
     void not_modelled() {

@@ -13,7 +13,7 @@ struct Plan {
     bool water = false;
     bool caustics = false;             ///< there is a chain to trace
     std::vector<light::Chain> chains;  ///< for the method's FrameContext
-    bool flat_water_stand_in = false;  ///< receivers in the water may be seen behind specular events
+    bool flat_water_stand_in = false;  ///< light through water that the method does not look at
     bool direct_light = false;
     bool sky_light = false;
     std::vector<PlanLine> lines;  ///< what --plan prints

@@ -10,9 +10,11 @@ namespace {
 /// Serves what it is told to; renders nothing.
 class TellingMethod : public methods::CausticMethod {
 public:
-    explicit TellingMethod(bool behind_specular) : behind_specular_(behind_specular) {}
+    using Degree = methods::Support::Degree;
+    explicit TellingMethod(bool behind_specular, Degree degree = Degree::partly)
+        : behind_specular_(behind_specular), degree_(degree) {}
     methods::Support supports_surface(const scene::FrameState&) const override {
-        return {methods::Support::Degree::partly, "the reason"};
+        return {degree_, "the reason"};
     }
     bool serves_behind_specular() const override { return behind_specular_; }
     std::size_t bytes(const scene::FrameState&, std::size_t) const override { return 0; }
@@ -22,7 +24,13 @@ public:
 
 private:
     bool behind_specular_;
+    Degree degree_;
 };
+
+/// As sliced beams are: all receivers, however the camera sees them.
+TellingMethod covering() {
+    return TellingMethod(true, methods::Support::Degree::yes);
+}
 
 const render::PlanLine& line(const render::Plan& plan, const std::string& pass) {
     for (const render::PlanLine& candidate : plan.lines) {
@@ -124,9 +132,68 @@ TEST(Plan, LightsWithoutANameGoByTheirIndex) {
     EXPECT_EQ(line(plan, "lights[0] > water:T").decision, "yes");
 }
 
+TEST(Plan, AMethodThatCoversAllTracesWhatLandsOnEitherSideOfTheCamera) {
+    scene::FrameState state = pool();
+    state.objects.push_back(test::level_plane("ceiling", 3, 5));
+    for (const double height : {-1.0, 2.0}) {
+        state.camera.position = {0, height, 0};
+        state.camera.target = {0, height - 1, 0};
+        const render::Plan plan = render::make_plan(scene_of(state), covering());
+        EXPECT_EQ(plan.chains.size(), 2u);
+        EXPECT_EQ(line(plan, "caustics: " + state.caustics.method).decision, "yes");
+    }
+}
+
+TEST(Plan, TheStandInIsForWhatTheMethodDoesNotLookAt) {
+    scene::FrameState state = pool();
+    state.water->extent.kind = scene::ExtentKind::pool;
+    EXPECT_TRUE(render::make_plan(scene_of(state), TellingMethod(true)).flat_water_stand_in);
+    EXPECT_FALSE(render::make_plan(scene_of(state), covering()).flat_water_stand_in);
+    state.water->extent.kind = scene::ExtentKind::open_water;
+    const render::Plan open = render::make_plan(scene_of(state), covering());
+    EXPECT_TRUE(open.flat_water_stand_in);
+    EXPECT_EQ(line(open, "flat-water stand-in").reason,
+              "beauty only, for light that enters open water beyond its extent (not in E)");
+    EXPECT_EQ(line(render::make_plan(scene_of(state), TellingMethod(true)), "flat-water stand-in").reason,
+              "beauty only, at receivers in the water that the method does not cover (E and covered are 0 "
+              "there), and for light that enters open water beyond its extent (not in E)");
+}
+
+TEST(Plan, AMethodThatDoesNotServeTheSceneIsNotRun) {
+    const render::Plan plan =
+        render::make_plan(scene_of(pool()), TellingMethod(true, methods::Support::Degree::no));
+    EXPECT_FALSE(plan.caustics);
+    EXPECT_TRUE(plan.chains.empty());
+    EXPECT_TRUE(plan.flat_water_stand_in);
+    EXPECT_EQ(line(plan, "caustics: " + pool().caustics.method).decision, "no");
+    EXPECT_EQ(line(plan, "caustics: " + pool().caustics.method).reason, "the reason");
+}
+
+TEST(Plan, SaysThatALampAmongTheWavesLosesLight) {
+    scene::FrameState state = pool();
+    state.lights[0].type = scene::LightType::point;
+    scene::FrameScene scene = scene_of(state);
+    auto water = std::make_shared<scene::WaterMesh>();
+    water->largest_height = 0.1;
+    scene.water = water;
+    const auto reason = [&](double height) {
+        scene.state.lights[0].position = {0, height, 0};
+        return line(render::make_plan(scene, covering()), height > 0 ? "sun > water:T" : "sun > water:R")
+            .reason;
+    };
+    EXPECT_EQ(reason(0.11), "objects below the water");
+    EXPECT_EQ(reason(0.09),
+              "objects below the water; the lamp is among the waves and counts as above water: what it sends "
+              "onto their other side is lost");
+    EXPECT_EQ(reason(-0.09),
+              "objects below the water; the lamp is among the waves and counts as under water: what it sends "
+              "onto their other side is lost");
+}
+
 TEST(Plan, RepeatsTheMethodsOwnWord) {
+    const scene::FrameState state = pool();
     const render::PlanLine said =
-        line(render::make_plan(scene_of(pool()), TellingMethod(true)), "caustics: photon_splatting");
+        line(render::make_plan(scene_of(state), TellingMethod(true)), "caustics: " + state.caustics.method);
     EXPECT_EQ(said.decision, "partly");
     EXPECT_EQ(said.reason, "the reason");
 }
