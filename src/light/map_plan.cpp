@@ -8,9 +8,6 @@
 namespace dapple::light {
 namespace {
 
-// A sun lower than this (3e-5 deg) is taken to have set: its shear would have no digits left.
-constexpr double kLowestSun = 5e-7;
-
 /// How far the light throws points of the surface off their rest position, m, along x and z.
 glm::dvec2 reach(const MapPlan& plan, const scene::Extent& extent, double displacement) {
     glm::dvec2 result(displacement);

@@ -6,6 +6,10 @@
 
 namespace dapple::light {
 
+/// A sun that falls less steeply than this (3e-5 deg) is taken to have set: its shear would have no digits
+/// left.
+constexpr double kLowestSun = 5e-7;
+
 /// Where the texels of a caustic map lie and how the light projects the water onto them. The map is the rest
 /// plane y = 0; a water point (x, h, z) lands at ((x, z) - shear h) / (1 - inverse_height h): a sun in
 /// parallel (inverse_height 0), a point or spot light centrally from its position. Texels are anchored to the

@@ -1,4 +1,5 @@
 #pragma once
+#include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <string>
@@ -11,14 +12,18 @@
 
 namespace dapple::light {
 
-/// Flux that a light sends onto the water and that no beam carries, by cause; unit of BeamSheet::flux.
+/// Flux of the event that no beam carries, by cause; unit of BeamSheet::flux.
 struct BeamLosses {
     double wave_shadow = 0;       ///< other waves stand between the light and the facet
-    double total_reflection = 0;  ///< transmission from below: beyond the critical angle
+    double total_reflection = 0;  ///< transmission from below: triangles across the critical angle
     double outside_cone = 0;      ///< direction in no sheet's cone about its axis
-    double not_finite = 0;        ///< facets with vertices or normals that are not finite
+    double not_finite = 0;        ///< facets with normals that are not finite, by the triangle's own
+    /// Facets with vertices that are not finite: nobody knows what they would have met.
+    std::size_t unknown_facets = 0;
     /// Carried by beams all the same, but these meet the water a second time, which is not followed.
     double second_crossing = 0;
+
+    BeamLosses& operator+=(const BeamLosses& other);
 };
 
 /// A beam mesh whose grid is the water mesh itself: every vertex is a ray just after one event at the water,
@@ -55,18 +60,23 @@ struct BeamSheet {
     /// m^2) or unit intensity (point, spot: sr). 0 where a vertex has no ray; never negative.
     std::vector<Real> flux;
     /// The part of the sun's disc that this sheet stands for: semi-axes of the ellipse by which a landing
-    /// point moves, in (a, b), m a m of way along the axis below the surface; 0: none.
+    /// point moves, in (a, b), m a m of way along the axis below the surface; 0: none. For flat water; u is
+    /// in the plane of incidence. 0 also on sheets about other axes that flat water sends nothing along.
     glm::dvec2 disc_u{0, 0};
     glm::dvec2 disc_v{0, 0};
 
-    BeamLosses losses;  ///< of this sheet's share; those of a chain are on its first sheet
+    /// Those of one direction and channel are on the first of its sheets; second_crossing is each sheet's
+    /// own.
+    BeamLosses losses;
 };
 
 /// Beams of one light after one event, in a fixed order: the directions of the sun's disc (`sun_samples`
 /// equal parts of it, the same in every frame; 1: its middle; each with its part's ellipse), within these
 /// the channels (one sheet for all without dispersion), within these the axes where one cone cannot hold all
-/// directions. dot(direction, axis) > 0.1 for all rays. Fluxes of a chain, with its losses, sum to what the
-/// light sends onto the lit side of the water. Occlusion by objects is not in the fluxes.
+/// directions: every triangle has flux in one of these at most, the first that holds its three rays.
+/// dot(direction, axis) > 0.1 for all rays. Fluxes of the two chains of a light, with their losses (but for
+/// second crossings), sum to what the light sends onto the lit side of the water. Occlusion by objects is not
+/// in the fluxes. Empty where the light has set or is in the rest plane.
 template <class Real>
 std::vector<BeamSheet<Real>> water_beams(const scene::FrameScene& scene, const rays::RayScene& rays,
                                          Chain chain, int sun_samples, FrameStats& stats);

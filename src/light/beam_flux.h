@@ -1,0 +1,61 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "light/beam_axes.h"
+#include "light/water_beams.h"
+#include "scene/frame_scene.h"
+
+namespace dapple::light {
+
+/// One light as the water sees it: a sun's part, or a lamp.
+struct WaterLight {
+    scene::LightType type = scene::LightType::sun;
+    bool from_below = false;
+    glm::dvec3 direction{0, -1, 0};  ///< unit, of travel; sun and spot
+    glm::dvec3 position{0, 0, 0};    ///< m, world; point and spot
+    double cos_outer = -2;           ///< spot, as optics/spot_light.h
+    double cos_inner = 1;
+
+    double side() const { return from_below ? -1 : 1; }  ///< times a water normal: towards the light
+};
+
+/// What the event did at the vertices of the water mesh.
+struct VertexEvents {
+    /// Transmittance or reflectance, times a spot's falloff; NaN where position or normal means nothing.
+    std::vector<double> share;
+    /// Bit k: the ray fits the cone of sheet_axes()[k]. 0: there is no ray.
+    std::vector<std::uint8_t> cones;
+    /// Of all rays, the least ratio of the squares of rise and of horizontal way.
+    double flattest_squared = 0;
+};
+
+/// Fills `sheet.rays`, `start` and `valid` for the axis `axis_index`, and `events`.
+/// `eta`: index on the light's side over that on the other.
+template <class Real>
+void trace_vertices(const scene::FrameScene& scene, const WaterLight& light, double eta,
+                    const std::array<glm::dvec3, kSheetAxes>& axes, int axis_index, BeamSheet<Real>& sheet,
+                    VertexEvents& events);
+
+struct FluxSurvey {
+    bool faces_away = false;      ///< some triangle does not face the light: shadows on the water can be
+    double steepest_squared = 0;  ///< square of the largest slope of a triangle; infinite for overhangs
+    std::uint32_t axes = 0;       ///< bit k: a triangle fits sheet_axes()[k] and none before it
+    std::size_t beams = 0;        ///< triangles of this sheet with flux
+    BeamLosses losses;
+};
+
+/// Signed light that a triangle meets, for unit irradiance (m^2) or unit intensity (sr): exact for a plane
+/// triangle, negative where it faces away. The lamp's is the solid angle (van Oosterom & Strackee 1983).
+double incident_on_triangle(const scene::TriangleMesh& mesh, glm::uvec3 triangle, const WaterLight& light);
+
+/// Fills `sheet.flux` with the triangles whose first axis is `axis_index`: light met, times the mean share of
+/// the three vertices, times `visible` (a triangle; empty: 1).
+template <class Real>
+FluxSurvey fill_flux(const scene::TriangleMesh& mesh, const WaterLight& light, double eta,
+                     const VertexEvents& events, const std::vector<float>& visible, int axis_index,
+                     BeamSheet<Real>& sheet);
+
+}  // namespace dapple::light

@@ -1,0 +1,189 @@
+#include "light/water_beams.h"
+
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "light/beam_axes.h"
+#include "light/beam_flux.h"
+#include "light/map_plan.h"
+#include "light/wave_shadow.h"
+
+namespace dapple::light {
+namespace {
+
+/// One of the channels that are traced together, or all.
+struct Band {
+    const char* name = "";
+    double index_shift = 0;  // in units of the dispersion
+    glm::dvec3 mask{1, 1, 1};
+};
+constexpr std::array<const char*, kSheetAxes> kAxisNames = {"", " +x", " -x", " +z", " -z", " +y", " -y"};
+
+std::vector<Band> bands_of(const scene::Water& water, Event event) {
+    if (!(water.dispersion > 0) || event == Event::reflection) return {Band{}};
+    return {{" red", -0.5, {1, 0, 0}}, {" green", 0, {0, 1, 0}}, {" blue", 0.5, {0, 0, 1}}};
+}
+
+/// What all sheets of a chain have in common.
+struct ChainSetup {
+    scene::Light light;
+    Event event = Event::transmission;
+    int sun_samples = 1;
+    double disc_radius = 0;     ///< rad, of one part of the sun's disc
+    glm::dvec3 color{0, 0, 0};  ///< of one part
+    WaterLight water_light;     ///< its direction is that of the part
+};
+
+ChainSetup chain_setup(const scene::FrameScene& scene, Chain chain, int sun_samples) {
+    ChainSetup setup;
+    setup.light = scene.state.lights[static_cast<std::size_t>(chain.light)];
+    setup.event = chain.event;
+    const scene::Light& light = setup.light;
+    setup.water_light = {.type = light.type, .direction = light.direction, .position = light.position};
+    if (light.type == scene::LightType::sun) {
+        setup.sun_samples = light.angular_diameter > 0 ? std::max(1, sun_samples) : 1;
+        setup.disc_radius = std::tan(0.5 * light.angular_diameter) / std::sqrt(setup.sun_samples);
+        setup.color = light.irradiance / static_cast<double>(setup.sun_samples);
+        return setup;
+    }
+    setup.color = light.intensity;
+    setup.water_light.from_below = light.position.y < 0;
+    if (light.type == scene::LightType::spot) {
+        setup.water_light.cos_outer = std::cos(light.cone_angle);
+        setup.water_light.cos_inner = std::cos(std::max(0.0, light.cone_angle - light.falloff_angle));
+    }
+    return setup;
+}
+
+/// Traces the sheets of one direction and band and appends those that hold beams, the first in any case.
+template <class Real>
+class SheetTracer {
+public:
+    SheetTracer(const scene::FrameScene& scene, const rays::RayScene& rays, Chain chain,
+                const ChainSetup& setup)
+        : scene_(scene), rays_(rays), chain_(chain), setup_(setup) {}
+
+    void trace(const WaterLight& light, const Band& band, const std::string& name,
+               std::optional<std::vector<float>>& visible, std::vector<BeamSheet<Real>>& sheets) {
+        const scene::Water& water = *scene_.state.water;
+        const double index = water.refractive_index + band.index_shift * water.dispersion;
+        const double eta = light.from_below ? index : 1 / index;
+        setup_.light.direction = light.direction;
+        const auto axes = sheet_axes(mesh_axis(setup_.light, light.from_below, setup_.event, index));
+        const std::size_t first = sheets.size();
+        std::uint32_t wanted = 1;
+        for (int k = 0; k < kSheetAxes; ++k) {
+            if (!(wanted >> k & 1)) continue;
+            BeamSheet<Real>& sheet = sheets.emplace_back();
+            sheet.name = name + band.name + kAxisNames[static_cast<std::size_t>(k)];
+            sheet.light = chain_.light;
+            sheet.event = setup_.event;
+            sheet.from_below = light.from_below;
+            sheet.color = setup_.color * band.mask;
+            sheet.world_from_mesh = mesh_frame(axes[static_cast<std::size_t>(k)]);
+            sheet.rows = scene_.water->rows;
+            sheet.columns = scene_.water->columns;
+            if (light.type == scene::LightType::sun) {
+                sheet.light_direction = light.direction;
+                const DiscEllipse ellipse = disc_ellipse(light.direction, setup_.disc_radius, setup_.event,
+                                                         index, sheet.world_from_mesh);
+                sheet.disc_u = ellipse.u;
+                sheet.disc_v = ellipse.v;
+            }
+            trace_vertices(scene_, light, eta, axes, k, sheet, events_);
+            FluxSurvey survey = fill(light, eta, k, visible, sheet);
+            if (survey.faces_away && !visible) {
+                visible = visible_shares(scene_, rays_, light);
+                survey = fill(light, eta, k, visible, sheet);
+            }
+            beams_ += survey.beams;
+            wanted |= survey.axes;
+            if (sheets.size() == first + 1) sheet.losses = survey.losses;
+            if (events_.flattest_squared <= survey.steepest_squared)
+                sheet.losses.second_crossing =
+                    second_crossing(scene_, rays_, light, sheet, survey.steepest_squared);
+        }
+    }
+
+    std::size_t beams() const { return beams_; }
+
+private:
+    FluxSurvey fill(const WaterLight& light, double eta, int axis,
+                    const std::optional<std::vector<float>>& visible, BeamSheet<Real>& sheet) {
+        static const std::vector<float> all;
+        return fill_flux(scene_.water->mesh, light, eta, events_, visible ? *visible : all, axis, sheet);
+    }
+
+    const scene::FrameScene& scene_;
+    const rays::RayScene& rays_;
+    Chain chain_;
+    ChainSetup setup_;
+    VertexEvents events_;
+    std::size_t beams_ = 0;
+};
+
+template <class Real>
+void count_losses(const std::vector<BeamSheet<Real>>& sheets, FrameStats& stats) {
+    double unknown = 0;
+    for (const BeamSheet<Real>& sheet : sheets) {
+        const double mean = (sheet.color.r + sheet.color.g + sheet.color.b) / 3;
+        const auto count = [&](const char* name, double flux) {
+            if (flux > 0) stats.count(name, flux * mean);
+        };
+        count("lost to wave shadow, W", sheet.losses.wave_shadow);
+        count("lost to total reflection, W", sheet.losses.total_reflection);
+        count("lost outside cones, W", sheet.losses.outside_cone);
+        count("lost to normals not finite, W", sheet.losses.not_finite);
+        count("meets the water again, W", sheet.losses.second_crossing);
+        unknown = std::max(unknown, static_cast<double>(sheet.losses.unknown_facets));
+    }
+    if (unknown > 0) stats.count("facets not finite", unknown);
+}
+
+}  // namespace
+
+BeamLosses& BeamLosses::operator+=(const BeamLosses& other) {
+    wave_shadow += other.wave_shadow;
+    total_reflection += other.total_reflection;
+    outside_cone += other.outside_cone;
+    not_finite += other.not_finite;
+    unknown_facets += other.unknown_facets;
+    second_crossing += other.second_crossing;
+    return *this;
+}
+
+template <class Real>
+std::vector<BeamSheet<Real>> water_beams(const scene::FrameScene& scene, const rays::RayScene& rays,
+                                         Chain chain, int sun_samples, FrameStats& stats) {
+    const ScopedPass pass(stats, "beams");
+    const ChainSetup setup = chain_setup(scene, chain, sun_samples);
+    const bool sun = setup.light.type == scene::LightType::sun;
+    std::vector<BeamSheet<Real>> sheets;
+    if (scene.water->mesh.positions.empty() || (!sun && setup.light.position.y == 0)) return sheets;
+
+    std::vector<glm::dvec3> directions = {setup.light.direction};
+    if (sun) directions = sun_directions(setup.light, setup.sun_samples);
+    const std::string name =
+        setup.light.name + (setup.event == Event::transmission ? " > water:T" : " > water:R");
+    SheetTracer<Real> tracer(scene, rays, chain, setup);
+    for (std::size_t i = 0; i < directions.size(); ++i) {
+        if (sun && !(directions[i].y < -kLowestSun)) continue;
+        WaterLight light = setup.water_light;
+        light.direction = directions[i];
+        std::optional<std::vector<float>> visible;  // the same for all bands
+        for (const Band& band : bands_of(*scene.state.water, setup.event))
+            tracer.trace(light, band, directions.size() > 1 ? name + ' ' + std::to_string(i + 1) : name,
+                         visible, sheets);
+    }
+    stats.count("beams", static_cast<double>(tracer.beams()));
+    count_losses(sheets, stats);
+    return sheets;
+}
+
+template std::vector<BeamSheet<float>> water_beams(const scene::FrameScene&, const rays::RayScene&, Chain,
+                                                   int, FrameStats&);
+template std::vector<BeamSheet<double>> water_beams(const scene::FrameScene&, const rays::RayScene&, Chain,
+                                                    int, FrameStats&);
+
+}  // namespace dapple::light

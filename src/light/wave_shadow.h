@@ -1,0 +1,23 @@
+#pragma once
+#include <vector>
+
+#include "light/beam_flux.h"
+#include "rays/ray_scene.h"
+
+namespace dapple::light {
+
+/// The share of each triangle of the water that no other wave hides from the light; 1 for triangles that do
+/// not face it. To be asked only where some triangle faces away from the light (FluxSurvey::faces_away):
+/// where all face it, the light's projection of the mesh is one to one and nothing hides anything.
+/// A triangle whose corners are all lit, or all hidden, is so as a whole; others are sampled at the centres
+/// of 16 equal parts.
+std::vector<float> visible_shares(const scene::FrameScene& scene, const rays::RayScene& rays,
+                                  const WaterLight& light);
+
+/// Flux of the sheet's beams that meets the water again, by how many of a triangle's three rays do.
+/// `steepest_squared`: of FluxSurvey; rays that rise or fall faster than any triangle are not traced.
+template <class Real>
+double second_crossing(const scene::FrameScene& scene, const rays::RayScene& rays, const WaterLight& light,
+                       const BeamSheet<Real>& sheet, double steepest_squared);
+
+}  // namespace dapple::light
