@@ -8,6 +8,7 @@
 #include "base/parallel.h"
 #include "optics/optics.h"
 #include "view/camera.h"
+#include "view/camera_medium.h"
 #include "view/surface_point.h"
 
 namespace dapple::view {
@@ -67,6 +68,7 @@ private:
     std::vector<Path> start_paths(std::size_t tile) const;
     void find_media(std::vector<Path>& paths) const;
     Path start_path(int x, int y) const;
+    static void sink(Path& path);
     void find_encounters(const std::vector<Path>& paths, std::vector<Encounter>& encounters) const;
     bool meets_rest_plane(const Path& path, double nearest, double& distance) const;
 
@@ -90,7 +92,7 @@ private:
     Camera camera_;
     SurfaceGeometry geometry_;
     glm::dvec2 offset_;
-    bool camera_in_water_;
+    CameraMedium medium_;
     int tiles_across_;
     int tiles_down_;
 };
@@ -105,7 +107,7 @@ LayerTracer::LayerTracer(const scene::FrameScene& scene, const rays::RayScene& r
       geometry_(scene),
       offset_(request.offset.value_or(Camera::sample_offset(request.sample, scene.state.clip.samples)) +
               glm::dvec2(request.window ? request.window->corner : glm::ivec2(0))),
-      camera_in_water_(camera_in_water(scene)),
+      medium_(camera_medium(scene)),
       tiles_across_((layer.width + kTileSize - 1) / kTileSize),
       tiles_down_((layer.height + kTileSize - 1) / kTileSize) {}
 
@@ -119,7 +121,8 @@ Path LayerTracer::start_path(int x, int y) const {
     path.start = path.origin;
     camera_.ray_differentials(place, path.origin_du, path.origin_dv, path.direction_du, path.direction_dv);
     path.pixel_width = length(path.origin_du);
-    path.in_water = camera_in_water_;
+    path.in_water = medium_.in_water;
+    if (medium_.at_surface && scene_.state.camera.projection == scene::Projection::perspective) sink(path);
     return path;
 }
 
@@ -140,6 +143,13 @@ std::vector<Path> LayerTracer::start_paths(std::size_t tile) const {
     return paths;
 }
 
+/// Moves the start of a path at the water's surface clearly under it. On the surface itself a ray may meet it
+/// or not, from either side.
+void LayerTracer::sink(Path& path) {
+    path.origin.y -= 2 * surface_margin(path.origin);
+    path.start = path.origin;
+}
+
 /// The paths of an orthographic camera start apart from each other, some perhaps in the water and some in the
 /// air: the rules of camera_in_water(), by rays to the surface.
 void LayerTracer::find_media(std::vector<Path>& paths) const {
@@ -147,7 +157,8 @@ void LayerTracer::find_media(std::vector<Path>& paths) const {
     std::vector<rays::Hit> above(paths.size());
     std::vector<rays::Hit> below(paths.size());
     for (std::size_t i = 0; i < paths.size(); ++i) {
-        rays[i].origin = glm::vec3(paths[i].start);
+        const double margin = surface_margin(paths[i].start);
+        rays[i].origin = glm::vec3(paths[i].start - glm::dvec3(0, margin, 0));
         rays[i].direction = {0, 1, 0};
     }
     rays_.intersect_water(rays, above);
@@ -155,11 +166,17 @@ void LayerTracer::find_media(std::vector<Path>& paths) const {
     rays_.intersect_water(rays, below);
     const bool open = scene_.state.water->extent.kind == scene::ExtentKind::open_water;
     for (std::size_t i = 0; i < paths.size(); ++i) {
-        if (above[i].primitive != rays::kNoHit)
+        const double margin = surface_margin(paths[i].start);
+        bool at_surface = above[i].distance <= 2 * margin;
+        paths[i].in_water = false;
+        if (above[i].primitive != rays::kNoHit) {
             paths[i].in_water = above[i].normal.y > 0;
-        else
-            paths[i].in_water =
-                open && below[i].primitive == rays::kNoHit && paths[i].start.y + scene_.origin.y < 0;
+        } else if (open && below[i].primitive == rays::kNoHit) {
+            const double height = paths[i].start.y + scene_.origin.y;
+            paths[i].in_water = height <= margin;
+            at_surface = std::abs(height) <= margin;
+        }
+        if (at_surface) sink(paths[i]);
     }
 }
 

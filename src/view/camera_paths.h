@@ -13,8 +13,9 @@ namespace dapple::view {
 constexpr int kLongestChain = 8;
 
 /// Whether the camera is under water in this frame: below the first crossing of the water mesh above it;
-/// where the mesh does not cover it, below the rest plane of open water. An orthographic camera is looked at
-/// in the middle of its picture; its paths start in the water or the air each by itself.
+/// where the mesh does not cover it, below the rest plane of open water. A camera at the surface (nearer to
+/// it than 2^-20 of its distance from FrameScene::origin plus 1 m) is under it. An orthographic camera is
+/// looked at in the middle of its picture; its paths start in the water or the air each by itself.
 bool camera_in_water(const scene::FrameScene& scene);
 
 /// Follows one camera path a pixel through water and mirrors to its receiver (at most kLongestChain specular

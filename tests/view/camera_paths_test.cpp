@@ -266,6 +266,37 @@ TEST(CameraPaths, CameraInWater) {
     EXPECT_FALSE(at(crest, 0.051, 0));
 }
 
+/// What the surface itself, and what is nearer to it than floats can tell, counts as: water.
+TEST(CameraPaths, ACameraAtTheSurfaceIsUnderIt) {
+    for (const bool parallel : {false, true}) {
+        for (const bool beside : {false, true}) {
+            for (const double off : {0.0, 1e-12, -1e-12, 1e-8, -1e-8, 2e-7, -2e-7}) {
+                ViewScene scene(4, 4);
+                scene.fill(test::wavy_water(4, 64), 4);
+                scene.add_floor(-2, 40);
+                // On the mesh as it is, not on the wave that it stands for: at a vertex.
+                const double x = beside ? 9 : scene.frame.water->mesh.positions[32 * 65 + 40].x;
+                const double y = (beside ? 0 : scene.frame.water->mesh.positions[32 * 65 + 40].y) + off;
+                const auto look = [&](double way) {
+                    if (parallel)  // the vertex only: its neighbours are higher or lower
+                        scene.look_in_parallel({x, y, 0}, {x, y + way, 0}, 1e-7);
+                    else
+                        scene.look({x, y, 0}, {x, y + way, 0});
+                    scene.camera().up = {0, 0, 1};
+                    return scene.trace();
+                };
+                ASSERT_LT(std::abs(y), 0.051);
+                SCOPED_TRACE(testing::Message() << parallel << beside << " " << off);
+                const ReceiverLayer down = look(-1);
+                EXPECT_TRUE(camera_in_water(scene.frame));
+                for (const std::uint32_t flags : down.flags) EXPECT_EQ(flags, kReceiver | kInWater);
+                const ReceiverLayer up = look(1);
+                for (const std::uint32_t flags : up.flags) EXPECT_EQ(flags, kEnvironment | kBehindSpecular);
+            }
+        }
+    }
+}
+
 TEST(CameraPaths, AnOrthographicCameraMayStandInWaterAndAirAtOnce) {
     // Level, 4 m high, at the waterline: air in the upper half and water in the lower, also beside the patch.
     for (const double z : {0.0, 40.0}) {

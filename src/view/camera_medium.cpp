@@ -1,3 +1,6 @@
+#include "view/camera_medium.h"
+
+#include <cmath>
 #include <limits>
 
 #include "view/camera_paths.h"
@@ -13,8 +16,13 @@ double area_from_above(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec
 }  // namespace
 
 bool camera_in_water(const scene::FrameScene& scene) {
-    if (!scene.state.water) return false;
+    return camera_medium(scene).in_water;
+}
+
+CameraMedium camera_medium(const scene::FrameScene& scene) {
+    if (!scene.state.water) return {};
     const glm::dvec3 camera = scene.state.camera.position;
+    const double margin = surface_margin(camera - scene.origin);
     const glm::dvec2 place(camera.x, camera.z);
     double nearest = std::numeric_limits<double>::infinity();
     bool below_water = false;
@@ -34,14 +42,15 @@ bool camera_in_water(const scene::FrameScene& scene) {
             if (!inside || area == 0) continue;
             covered = true;
             const double height = (opposite_a * a.y + opposite_b * b.y + opposite_c * c.y) / area;
-            if (height >= camera.y && height < nearest) {
+            if (height >= camera.y - margin && height < nearest) {
                 nearest = height;
                 below_water = area > 0;  // under a sheet that is folded over there is air
             }
         }
     }
-    if (covered) return below_water;
-    return scene.state.water->extent.kind == scene::ExtentKind::open_water && camera.y < 0;
+    if (covered) return {below_water, nearest <= camera.y + margin};
+    const bool open = scene.state.water->extent.kind == scene::ExtentKind::open_water;
+    return {open && camera.y <= margin, open && std::abs(camera.y) <= margin};
 }
 
 }  // namespace dapple::view
