@@ -12,7 +12,8 @@ namespace {
 
 using namespace build;
 
-constexpr double kMost = 2147483647;            // pixels, cells: what fits an int
+constexpr double kMost = 2147483647;            // cells, photons: what fits an int
+constexpr double kMostPixels = 16384;           // along a side: what Vulkan devices and picture readers take
 constexpr double kMostSeed = 9007199254740992;  // 2^53
 constexpr std::array<std::string_view, 3> kCausticMethods{"sliced_beams", "photon_splatting", "reference"};
 
@@ -54,7 +55,7 @@ const Structure& clip_schema() {
                                "frames a second, whole or a fraction (24000/1001)"),
             whole("frames", FieldKind::frame_range,
                   "first and last frame, both included: 1-48; or one frame"),
-            whole("resolution", FieldKind::resolution, "width and height in pixels").within(1, kMost),
+            whole("resolution", FieldKind::resolution, "width and height in pixels").within(1, kMostPixels),
             integral<&Clip::samples>("samples", FieldKind::integer, "camera paths a pixel").within(1, 1024),
             integral<&Clip::seed>("seed", FieldKind::integer, "of all random numbers").within(0, kMostSeed),
         },

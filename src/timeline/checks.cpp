@@ -25,7 +25,10 @@ public:
         for (std::size_t i = 0; i < state.lights.size(); ++i) check_light(state.lights[i], join("lights", i));
         for (std::size_t i = 0; i < state.objects.size(); ++i)
             check_object(state.objects[i], join("objects", i));
-        if (state.water) check_surface(state.water->surface);
+        if (state.water) {
+            check_surface(state.water->surface);
+            check_dispersion(*state.water);
+        }
     }
 
 private:
@@ -71,6 +74,13 @@ private:
         const scene::MeshSequence& meshes = surface.mesh_sequence;
         if (surface.type == scene::WaterSurfaceType::mesh_sequence && meshes.last_file < meshes.first_file)
             fault(path + ".last_file", "comes before first_file, " + std::to_string(meshes.first_file));
+    }
+
+    void check_dispersion(const scene::Water& water) {
+        if (water.refractive_index - 0.5 * water.dispersion < 1)
+            fault(
+                "water.dispersion",
+                "half of it brings the index of red light below 1; take at most twice refractive_index - 1");
     }
 
     /// One fault a key: the first frame that shows it.

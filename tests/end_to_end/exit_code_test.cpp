@@ -118,8 +118,8 @@ TEST_F(ExitCode, Of7IsAMissingDevice) {
 }
 
 TEST_F(ExitCode, Of33IsTooMuchMemory) {
-    expect_failure(render({"--set", "clip.resolution=[1000000, 1000000]"}), 33, "--max-memory");
-    expect_failure(render({"--set", "clip.resolution=[2000000000, 2000000000]"}), 33, "--max-memory");
+    expect_failure(render({"--set", "clip.resolution=[16384, 16384]", "--max-memory", "32G"}), 33,
+                   "more than the 32.0 GiB of --max-memory");
     expect_failure(render({"--set", "caustics.map_resolution=2147483647"}), 33, "--max-memory");
     expect_failure(render({"--max-memory", "1M"}), 33, "more than the 1.0 MiB of --max-memory");
     // The program itself, with the device's driver, is larger than that.

