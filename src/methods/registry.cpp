@@ -2,13 +2,15 @@
 
 #include "base/error.h"
 #include "methods/photon_splatting/photon_splatting.h"
+#include "methods/sliced_beams/sliced_beams.h"
 
 namespace dapple::methods {
 
 std::unique_ptr<CausticMethod> make_method(const std::string& name) {
     if (name == "photon_splatting") return std::make_unique<PhotonSplatting>();
+    if (name == "sliced_beams") return std::make_unique<SlicedBeams>();
     throw Error(ExitCode::timeline_invalid,
-                "caustics.method: there is no method '" + name + "'; there is photon_splatting");
+                "caustics.method: there is no method '" + name + "'; there are sliced_beams, photon_splatting");
 }
 
 }  // namespace dapple::methods

@@ -1,0 +1,91 @@
+#pragma once
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "light/water_beams.h"
+#include "methods/sliced_beams/lanes.h"
+
+namespace dapple::methods::sliced_beams {
+
+/// A rectangle across the axis of a beam sheet, m.
+template <class Real>
+struct Box {
+    Real low_a, high_a, low_b, high_b;
+};
+template <class Real>
+inline bool overlap(const Box<Real>& x, const Box<Real>& y) {
+    return x.low_a <= y.high_a && x.high_a >= y.low_a && x.low_b <= y.high_b && x.high_b >= y.low_b;
+}
+
+constexpr std::uint32_t kNoBeam = 0xffffffffu;
+
+/// Min/max pyramid over the landing points of a beam sheet. The finest nodes are clusters of up to eight
+/// beams: 2 x 2 cells of a grid, or eight of an indexed mesh in Morton order (then a single row). Landing
+/// points are linear in depth, so that a node's bounds at two depths, joined by straight lines, bound it at
+/// all depths between: its least coordinate is a concave function of depth, its largest a convex one.
+template <class Real>
+class BeamPyramid {
+public:
+    struct NodeId {
+        std::uint32_t level, row, column;
+    };
+    /// What the beams of a node carry.
+    struct Sums {
+        Real flux = 0;          ///< unit of BeamSheet::flux
+        Real flux_start = 0;    ///< times the depth at which the beams leave the water, m
+        Real flux_stretch = 0;  ///< times the length of a way a m of depth
+    };
+
+    /// Bounds hold for depths in [nearest, farthest], m. The sheet must outlive the pyramid.
+    BeamPyramid(const light::BeamSheet<Real>& sheet, std::span<const glm::uvec3> triangles, Real nearest,
+                Real farthest);
+
+    Real nearest() const { return nearest_; }
+    Real farthest() const { return farthest_; }
+    bool empty() const { return levels_.empty(); }
+    NodeId root() const { return {static_cast<std::uint32_t>(levels_.size() - 1), 0, 0}; }
+    /// Bounds over the depths [low, high]; empty (low > high) where no beam of the node carries light.
+    Box<Real> box(NodeId node, Real low, Real high) const;
+    const Sums& sums(NodeId node) const { return levels_[node.level].sums[index(node)]; }
+    bool dark(NodeId node) const { return !(levels_[node.level].sums[index(node)].flux > 0); }
+    /// `visit(child)` for the up to four children of a node above the finest level, in a fixed order.
+    template <class Visit>
+    void visit_children(NodeId node, Visit&& visit) const {
+        const Level& finer = levels_[node.level - 1];
+        for (std::uint32_t r = 2 * node.row; r < std::min(finer.rows, 2 * node.row + 2); ++r)
+            for (std::uint32_t c = 2 * node.column; c < std::min(finer.columns, 2 * node.column + 2); ++c)
+                visit(NodeId{node.level - 1, r, c});
+    }
+    /// Triangles of a finest node, kNoBeam where there are fewer; a fixed order.
+    std::array<std::uint32_t, kClusterBeams> beams(NodeId node) const;
+
+private:
+    struct Ends {
+        Box<Real> near, far;  ///< bounds at the two depths
+    };
+    struct Level {
+        std::uint32_t rows = 0, columns = 0;
+        std::vector<Ends> ends;
+        std::vector<Sums> sums;
+    };
+    std::size_t index(NodeId node) const {
+        return static_cast<std::size_t>(node.row) * levels_[node.level].columns + node.column;
+    }
+    void order_indexed(std::span<const glm::uvec3> triangles);
+    void build_finest(std::span<const glm::uvec3> triangles);
+    Level coarser(const Level& finer) const;
+
+    const light::BeamSheet<Real>& sheet_;
+    Real nearest_, farthest_;
+    std::vector<std::uint32_t> order_;  ///< of an indexed mesh's triangles
+    std::vector<Level> levels_;         ///< finest first
+};
+
+extern template class BeamPyramid<float>;
+extern template class BeamPyramid<double>;
+
+}  // namespace dapple::methods::sliced_beams

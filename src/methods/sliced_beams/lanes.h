@@ -1,0 +1,69 @@
+#pragma once
+#include <immintrin.h>
+
+#include <cstdint>
+
+namespace dapple::methods::sliced_beams {
+
+/// Beams are worked on eight at a time.
+constexpr int kClusterBeams = 8;
+
+/// As many numbers as one register holds: 8 floats or 4 doubles.
+template <class Real>
+struct LanesOf;
+template <>
+struct LanesOf<float> {
+    using Numbers __attribute__((vector_size(32))) = float;
+    using Mask __attribute__((vector_size(32))) = std::int32_t;  ///< -1 or 0 a lane
+};
+template <>
+struct LanesOf<double> {
+    using Numbers __attribute__((vector_size(32))) = double;
+    using Mask __attribute__((vector_size(32))) = std::int64_t;
+};
+template <class Real>
+using Lanes = typename LanesOf<Real>::Numbers;
+template <class Real>
+using Mask = typename LanesOf<Real>::Mask;
+
+template <class Real>
+constexpr int kLanes = 32 / static_cast<int>(sizeof(Real));
+template <class Real>
+constexpr int kChunks = kClusterBeams / kLanes<Real>;
+
+template <class Real>
+inline Lanes<Real> splat(Real value) {
+    return value - Lanes<Real>{};
+}
+template <class Numbers>
+inline Numbers lesser(Numbers x, Numbers y) {
+    return x < y ? x : y;
+}
+template <class Numbers>
+inline Numbers greater(Numbers x, Numbers y) {
+    return x > y ? x : y;
+}
+template <class Numbers>
+inline Numbers magnitude(Numbers x) {
+    return x < 0 ? -x : x;
+}
+/// One bit a lane, the first lane lowest.
+inline unsigned bits(Mask<float> m) {
+    return static_cast<unsigned>(_mm256_movemask_ps(reinterpret_cast<__m256>(m)));
+}
+inline unsigned bits(Mask<double> m) {
+    return static_cast<unsigned>(_mm256_movemask_pd(reinterpret_cast<__m256d>(m)));
+}
+template <class AnyMask>
+inline bool any(AnyMask m) {
+    return bits(m) != 0;
+}
+/// Sum of the lanes, always in the same order.
+inline float sum(Lanes<float> x) {
+    return ((x[0] + x[4]) + (x[2] + x[6])) + ((x[1] + x[5]) + (x[3] + x[7]));
+}
+inline double sum(Lanes<double> x) {
+    return (x[0] + x[2]) + (x[1] + x[3]);
+}
+
+}  // namespace dapple::methods::sliced_beams

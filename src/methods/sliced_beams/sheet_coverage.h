@@ -1,0 +1,74 @@
+#pragma once
+#include <glm/glm.hpp>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "base/stats.h"
+#include "methods/sliced_beams/beam_pyramid.h"
+#include "methods/sliced_beams/landing.h"
+#include "methods/sliced_beams/occluders.h"
+#include "rays/ray_scene.h"
+#include "scene/frame_scene.h"
+
+namespace dapple::methods::sliced_beams {
+
+/// At most so many receivers are asked for at one go.
+constexpr int kTileReceivers = 64;
+
+/// What a query cost.
+struct QueryCounts {
+    std::size_t clusters = 0;        ///< of beams, found by tiles
+    std::size_t whole_nodes = 0;     ///< added by their sums
+    std::size_t occluded_tiles = 0;  ///< with an object in their light volume: pairs are tested
+    std::size_t shadow_rays = 0;
+
+    void add(const QueryCounts& other);
+    void report(FrameStats& stats) const;
+};
+
+/// One beam sheet, ready to be asked for the irradiance of receivers: the sum over beams of flux times the
+/// share of the landed beam that lies within the footprint, over the footprint's area. Exact up to the mesh
+/// and the tangent plane; no sampling, so the same in every frame that shows the same.
+template <class Real>
+class SheetCoverage {
+public:
+    /// `deepest`: m along the sheet's axis, no receiver lies beyond. All references outlive this.
+    SheetCoverage(const scene::FrameScene& scene, const rays::RayScene& rays, light::BeamSheet<Real> sheet,
+                  Real deepest);
+
+    const light::BeamSheet<Real>& sheet() const { return sheet_; }
+    const BeamPyramid<Real>& pyramid() const { return *pyramid_; }
+    std::span<const glm::uvec3> triangles() const { return scene_.water->mesh.triangles; }
+    /// m of depth at which the last ray leaves the water.
+    Real last_start() const { return last_start_; }
+    glm::dvec3 absorption() const { return absorption_; }
+
+    /// Adds this sheet's irradiance [W/m^2] of up to kTileReceivers receivers near each other on one object,
+    /// in world axes relative to FrameScene::origin. Thread-safe.
+    void add(std::span<const Receiver<Real>> receivers, std::uint32_t object,
+             std::span<Vec3<Real>> irradiance, QueryCounts& counts) const;
+
+    /// The receiver in the sheet's axes, its footprint widened by the sheet's part of the sun's disc.
+    Receiver<Real> in_sheet(const Receiver<Real>& world) const;
+
+private:
+    template <class>
+    friend class Tile;
+
+    const scene::FrameScene& scene_;
+    const rays::RayScene& rays_;
+    light::BeamSheet<Real> sheet_;
+    glm::mat<3, 3, Real> sheet_from_world_;
+    std::unique_ptr<BeamPyramid<Real>> pyramid_;
+    Occluders occluders_;
+    Real last_start_ = 0;
+    Real mean_start_ = 0;
+    Real steepest_a_ = 0, steepest_b_ = 0;  ///< largest slopes
+    glm::dvec3 absorption_{0, 0, 0};        ///< /m, a channel; 0 in the air
+};
+
+extern template class SheetCoverage<float>;
+extern template class SheetCoverage<double>;
+
+}  // namespace dapple::methods::sliced_beams

@@ -1,0 +1,103 @@
+#include "methods/sliced_beams/sliced_beams.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/parallel.h"
+#include "light/water_beams.h"
+#include "methods/sliced_beams/layer_tiles.h"
+#include "methods/sliced_beams/sheet_coverage.h"
+#include "ocean/grid_size.h"
+
+namespace dapple::methods {
+
+using sliced_beams::LayerTiles;
+using sliced_beams::QueryCounts;
+using sliced_beams::ReceiverGroup;
+using sliced_beams::SheetCoverage;
+
+struct SlicedBeams::State {
+    std::vector<std::unique_ptr<SheetCoverage<float>>> sheets;
+};
+
+SlicedBeams::SlicedBeams() : state_(std::make_unique<State>()) {}
+SlicedBeams::~SlicedBeams() = default;
+
+Support SlicedBeams::supports_surface(const scene::FrameState&) const {
+    return {Support::Degree::yes, "all receivers, also behind water and mirrors"};
+}
+
+std::size_t SlicedBeams::bytes(const scene::FrameState& state, std::size_t) const {
+    if (!state.water || state.water->surface.type == scene::WaterSurfaceType::mesh_sequence) return 0;
+    const ocean::GridSize grid = ocean::grid_size(*state.water);
+    const double vertex = sizeof(light::BeamSheet<float>::Ray) + sizeof(float) + 1;
+    // Pyramids: 8 bounds and 3 sums a cluster of 8 beams, and a third of that again above it.
+    const double beam = sizeof(float) + 4.0 / 3 * 11 * sizeof(float) / sliced_beams::kClusterBeams;
+    double sheets = 0;
+    for (const scene::Light& light : state.lights) {
+        const bool disc = light.type == scene::LightType::sun && light.angular_diameter > 0;
+        const double parts = disc ? state.caustics.sliced_beams.sun_samples : 1;
+        sheets += parts * ((state.water->dispersion > 0 ? 3 : 1) + 1);
+    }
+    return static_cast<std::size_t>(
+        std::min(0x1p61, sheets * (vertex * static_cast<double>(grid.vertices()) +
+                                   beam * static_cast<double>(grid.triangles()))));
+}
+
+namespace {
+
+/// Depth along the sheet's axis that no receiver lies beyond.
+float deepest(const rays::RayScene& rays, const light::BeamSheet<float>& sheet) {
+    glm::vec3 low, high;
+    rays.object_bounds(low, high);
+    const glm::vec3 axis(sheet.world_from_mesh[2]);
+    const glm::vec3 corner = glm::mix(low, high, glm::greaterThan(axis, glm::vec3(0)));
+    const float depth = glm::dot(corner, axis);
+    return depth + 1e-3f * (1 + std::abs(depth));
+}
+
+}  // namespace
+
+void SlicedBeams::begin(FrameContext& context) {
+    state_->sheets.clear();
+    const int sun_samples = context.scene.state.caustics.sliced_beams.sun_samples;
+    for (const light::Chain& chain : context.chains) {
+        std::vector<light::BeamSheet<float>> sheets =
+            light::water_beams<float>(context.scene, context.rays, chain, sun_samples, context.stats);
+        const ScopedPass pass(context.stats, "beam pyramid");
+        for (light::BeamSheet<float>& sheet : sheets) {
+            const float depth = deepest(context.rays, sheet);
+            state_->sheets.push_back(
+                std::make_unique<SheetCoverage<float>>(context.scene, context.rays, std::move(sheet), depth));
+        }
+    }
+}
+
+void SlicedBeams::irradiance(FrameContext& context, std::span<const view::ReceiverLayer> layers,
+                             std::span<LayerResult> results) {
+    const ScopedPass pass(context.stats, "coverage");
+    for (std::size_t i = 0; i < layers.size(); ++i) {
+        const LayerTiles tiles(layers[i], context.scene.state.clip);
+        std::vector<QueryCounts> counts(tiles.count());
+        parallel_for(tiles.count(), 4, [&](std::size_t begin, std::size_t end) {
+            std::vector<glm::vec3> irradiance;
+            for (std::size_t tile = begin; tile < end; ++tile) {
+                for (const ReceiverGroup& group : tiles.groups(tile)) {
+                    irradiance.assign(group.pixels.size(), glm::vec3(0));
+                    for (const auto& sheet : state_->sheets)
+                        if (sheet->sheet().in_water() == group.in_water)
+                            sheet->add(group.receivers, group.object, irradiance, counts[tile]);
+                    for (std::size_t k = 0; k < group.pixels.size(); ++k) {
+                        results[i].irradiance[group.pixels[k]] = irradiance[k];
+                        results[i].covered[group.pixels[k]] = 1;
+                    }
+                }
+            }
+        });
+        QueryCounts all;
+        for (const QueryCounts& tile : counts) all.add(tile);
+        all.report(context.stats);
+    }
+}
+
+}  // namespace dapple::methods

@@ -1,0 +1,27 @@
+#pragma once
+#include <memory>
+
+#include "methods/caustic_method.h"
+
+namespace dapple::methods {
+
+/// Exact up to the mesh, without noise: every triangle of the water is a beam of light; what part of a landed
+/// beam lies within a receiver's footprint is found by clipping, for all beams that can reach it. Beams are
+/// found through a min/max pyramid over their landing points, which are linear in depth.
+class SlicedBeams : public CausticMethod {
+public:
+    SlicedBeams();
+    ~SlicedBeams() override;
+    Support supports_surface(const scene::FrameState& state) const override;
+    bool serves_behind_specular() const override { return true; }
+    std::size_t bytes(const scene::FrameState& state, std::size_t pixels) const override;
+    void begin(FrameContext& context) override;
+    void irradiance(FrameContext& context, std::span<const view::ReceiverLayer> layers,
+                    std::span<LayerResult> results) override;
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+}  // namespace dapple::methods

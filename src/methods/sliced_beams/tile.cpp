@@ -1,0 +1,431 @@
+#include "methods/sliced_beams/tile.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "methods/sliced_beams/exponential.h"
+
+namespace dapple::methods::sliced_beams {
+namespace {
+
+constexpr std::size_t kPairsAtOnce = 4096;
+
+template <class Real>
+Box<double> in_double(const Box<Real>& b) {
+    return {static_cast<double>(b.low_a), static_cast<double>(b.high_a), static_cast<double>(b.low_b),
+            static_cast<double>(b.high_b)};
+}
+
+}  // namespace
+
+template <class Real>
+Tile<Real>::Tile(const SheetCoverage<Real>& sheet, std::span<const Receiver<Real>> receivers,
+                 std::uint32_t object, std::span<Vec3<Real>> irradiance, QueryCounts& counts)
+    : sheet_(sheet), pyramid_(*sheet.pyramid_), irradiance_(irradiance), counts_(counts), object_(object) {
+    place_receivers(receivers);
+}
+
+template <class Real>
+void Tile<Real>::place_receivers(std::span<const Receiver<Real>> receivers) {
+    constexpr Real infinity = std::numeric_limits<Real>::infinity();
+    bounds_ = {infinity, -infinity, infinity, -infinity};
+    low_ = infinity;
+    high_ = -infinity;
+    least_a_ = least_b_ = infinity;
+    locals_.reserve(receivers.size());
+    for (std::size_t i = 0; i < receivers.size(); ++i) {
+        Local local{sheet_.in_sheet(receivers[i]), 0, 0, 0, 0, i};
+        const Receiver<Real>& r = local.receiver;
+        const Real area = glm::length(glm::cross(r.u, r.v));
+        if (!(area > 0) || !std::isfinite(area)) continue;
+        local.inverse_area = 1 / area;
+        const Vec3<Real> half = Real(0.5) * (glm::abs(r.u) + glm::abs(r.v));
+        local.half_a = half.x;
+        local.half_b = half.y;
+        local.half_depth = half.z;
+        if (r.position.z + half.z < pyramid_.nearest()) continue;  // before the water
+        bounds_.low_a = std::min(bounds_.low_a, r.position.x - half.x);
+        bounds_.high_a = std::max(bounds_.high_a, r.position.x + half.x);
+        bounds_.low_b = std::min(bounds_.low_b, r.position.y - half.y);
+        bounds_.high_b = std::max(bounds_.high_b, r.position.y + half.y);
+        low_ = std::min(low_, r.position.z - half.z);
+        high_ = std::max(high_, r.position.z + half.z);
+        least_a_ = std::min(least_a_, 2 * half.x);
+        least_b_ = std::min(least_b_, 2 * half.y);
+        locals_.push_back(local);
+    }
+}
+
+template <class Real>
+void Tile<Real>::run() {
+    if (locals_.empty()) return;
+    below_surface_ = low_ > sheet_.last_start_;
+    // Every ray meets the front of every receiver's plane.
+    const bool facing = std::all_of(locals_.begin(), locals_.end(), [&](const Local& local) {
+        const Vec3<Real>& n = local.receiver.normal;
+        return std::abs(n.x) * sheet_.steepest_a_ + std::abs(n.y) * sheet_.steepest_b_ < Real(-0.99) * n.z;
+    });
+    whole_allowed_ = facing && below_surface_;
+    find_nodes();
+    if (clusters_.empty() && nodes_.empty()) return;
+    if (!test_free(object_)) {
+        ++counts_.occluded_tiles;
+        if (!nodes_.empty()) {  // sums say nothing of single beams
+            whole_allowed_ = false;
+            find_nodes();
+        }
+    }
+    counts_.clusters += clusters_.size();
+    if (planar())
+        add_planar();
+    else
+        add_curved();
+    settle_pairs();
+}
+
+template <class Real>
+void Tile<Real>::find_nodes() {
+    clusters_.clear();
+    nodes_.clear();
+    std::vector<NodeId> open{pyramid_.root()};
+    while (!open.empty()) {
+        const NodeId node = open.back();
+        open.pop_back();
+        if (pyramid_.dark(node)) continue;
+        const Box<Real> box = pyramid_.box(node, low_, high_);
+        if (!overlap(box, bounds_)) continue;
+        if (node.level == 0) {
+            clusters_.push_back(node);
+        } else if (whole_allowed_ && 2 * (box.high_a - box.low_a) < least_a_ &&
+                   2 * (box.high_b - box.low_b) < least_b_) {
+            nodes_.push_back(node);
+        } else {
+            pyramid_.visit_children(node, [&](NodeId child) { open.push_back(child); });
+        }
+    }
+}
+
+template <class Real>
+bool Tile<Real>::test_free(std::uint32_t object) {
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    Box<double> surface{infinity, -infinity, infinity, -infinity};
+    for (const std::vector<NodeId>* nodes : {&clusters_, &nodes_}) {
+        for (const NodeId node : *nodes) {
+            const Box<double> box = in_double(pyramid_.box(node, pyramid_.nearest(), sheet_.last_start_));
+            surface.low_a = std::min(surface.low_a, box.low_a);
+            surface.high_a = std::max(surface.high_a, box.high_a);
+            surface.low_b = std::min(surface.low_b, box.low_b);
+            surface.high_b = std::max(surface.high_b, box.high_b);
+        }
+    }
+    const auto nearest = static_cast<double>(pyramid_.nearest());
+    free_after_ = sheet_.occluders_.free_after_water(
+        surface, nearest, in_double(bounds_), static_cast<double>(low_), static_cast<double>(high_), object);
+    free_before_ =
+        sheet_.occluders_.free_before_water(surface, nearest, static_cast<double>(sheet_.last_start_));
+    return free_after_ && free_before_;
+}
+
+/// Whether the receivers share one plane, to within the rounding of their positions.
+template <class Real>
+bool Tile<Real>::planar() const {
+    const Receiver<Real>& first = locals_.front().receiver;
+    constexpr Real rounding = Real(16) * std::numeric_limits<Real>::epsilon();
+    const auto out_of_plane = [&](const Vec3<Real>& v) { return std::abs(glm::dot(v, first.normal)); };
+    return std::all_of(locals_.begin(), locals_.end(), [&](const Local& local) {
+        const Receiver<Real>& r = local.receiver;
+        const Real size = std::max({std::abs(r.position.x), std::abs(r.position.y), std::abs(r.position.z)});
+        return out_of_plane(r.position - first.position) <= rounding * size &&
+               out_of_plane(r.u) <= Real(1e-5) * glm::length(r.u) &&
+               out_of_plane(r.v) <= Real(1e-5) * glm::length(r.v);
+    });
+}
+
+template <class Real>
+void Tile<Real>::land_cluster(NodeId node, const LandingFrame<Real>& frame, LitCluster<Real>& lit) {
+    ClusterRays<Real> rays;
+    load(sheet_.sheet_, sheet_.triangles(), pyramid_.beams(node), rays);
+    lit.beam = rays.beam;
+    lit.cut_by_surface = false;
+    for (int c = 0; c < kChunks<Real>; ++c) {
+        LandedChunk<Real>& landed = lit.landed[c];
+        land(rays, c, frame, landed);
+        Lanes<Real> flux = landed.lands ? rays.flux[c] : Lanes<Real>{};
+        if (!below_surface_) {
+            const auto wet =
+                (landed.past_start[0] >= 0) | (landed.past_start[1] >= 0) | (landed.past_start[2] >= 0);
+            const auto whole =
+                (landed.past_start[0] >= 0) & (landed.past_start[1] >= 0) & (landed.past_start[2] >= 0);
+            flux = wet ? flux : Lanes<Real>{};
+            lit.cut_by_surface |= any(wet & ~whole & landed.lands);
+        }
+        const Lanes<Real> way = greater(landed.way, Lanes<Real>{});
+        const glm::vec<3, Real> color(sheet_.sheet_.color), absorption(sheet_.absorption_);
+        const auto colored = [&](int channel) {
+            const Lanes<Real> lossless = color[channel] * flux;
+            return absorption[channel] > 0 ? lossless * decay(absorption[channel] * way) : lossless;
+        };
+        lit.red[c] = colored(0);
+        lit.green[c] = colored(1);
+        lit.blue[c] = colored(2);
+    }
+}
+
+template <class Real>
+typename Tile<Real>::LandedTile Tile<Real>::land_all(const LandingFrame<Real>& frame) {
+    constexpr Real infinity = std::numeric_limits<Real>::infinity();
+    LandedTile tile;
+    tile.clusters.resize(clusters_.size());
+    const std::size_t padded =
+        (clusters_.size() + kClusterBeams - 1) / kClusterBeams * static_cast<std::size_t>(kClusterBeams);
+    tile.low_x.assign(padded, infinity);
+    tile.low_y.assign(padded, infinity);
+    tile.high_x.assign(padded, -infinity);
+    tile.high_y.assign(padded, -infinity);
+    for (std::size_t i = 0; i < clusters_.size(); ++i) {
+        LitCluster<Real>& lit = tile.clusters[i];
+        land_cluster(clusters_[i], frame, lit);
+        for (int c = 0; c < kChunks<Real>; ++c) {
+            for (int lane = 0; lane < kLanes<Real>; ++lane) {
+                if (!lit.landed[c].lands[lane]) continue;
+                for (int k = 0; k < 3; ++k) {
+                    const Real x = lit.landed[c].beams.x[k][lane], y = lit.landed[c].beams.y[k][lane];
+                    tile.low_x[i] = std::min(tile.low_x[i], x);
+                    tile.high_x[i] = std::max(tile.high_x[i], x);
+                    tile.low_y[i] = std::min(tile.low_y[i], y);
+                    tile.high_y[i] = std::max(tile.high_y[i], y);
+                }
+            }
+        }
+    }
+    return tile;
+}
+
+template <class Real>
+void Tile<Real>::add_planar() {
+    const Receiver<Real>& first = locals_.front().receiver;
+    const LandingFrame<Real> frame(first);
+    const LandedTile tile = land_all(frame);
+    for (const Local& local : locals_) {
+        const Receiver<Real>& r = local.receiver;
+        // The receiver in coordinates of the first one's footprint, and the way from these to its own.
+        const Vec3<Real> offset = r.position - first.position;
+        const Real x = glm::dot(frame.along_x, offset), y = glm::dot(frame.along_y, offset);
+        const Real ux = glm::dot(frame.along_x, r.u), uy = glm::dot(frame.along_y, r.u);
+        const Real vx = glm::dot(frame.along_x, r.v), vy = glm::dot(frame.along_y, r.v);
+        const Real scale = 1 / (ux * vy - uy * vx);
+        const Real xx = scale * vy, xy = -scale * vx, yx = -scale * uy, yy = scale * ux;
+        const Real half_x = Real(0.5) * (std::abs(ux) + std::abs(vx));
+        const Real half_y = Real(0.5) * (std::abs(uy) + std::abs(vy));
+        const auto at = [&](const LandedBeams<Real>& landed) {
+            LandedBeams<Real> moved;
+            for (int k = 0; k < 3; ++k) {
+                const Lanes<Real> dx = landed.x[k] - x, dy = landed.y[k] - y;
+                moved.x[k] = xx * dx + xy * dy;
+                moved.y[k] = yx * dx + yy * dy;
+            }
+            return moved;
+        };
+        Lanes<Real> power[3] = {};
+        for (std::size_t i = 0; i < tile.low_x.size(); i += static_cast<std::size_t>(kLanes<Real>)) {
+            const auto load_lanes = [i](const std::vector<Real>& values) {
+                Lanes<Real> lanes;
+                std::copy_n(values.data() + i, kLanes<Real>, reinterpret_cast<Real*>(&lanes));
+                return lanes;
+            };
+            unsigned met =
+                bits((load_lanes(tile.low_x) <= x + half_x) & (load_lanes(tile.high_x) >= x - half_x) &
+                     (load_lanes(tile.low_y) <= y + half_y) & (load_lanes(tile.high_y) >= y - half_y));
+            for (; met != 0; met &= met - 1)
+                add_cluster(local, tile.clusters[i + static_cast<std::size_t>(__builtin_ctz(met))], power,
+                            at);
+        }
+        irradiance_[local.index] +=
+            local.inverse_area * Vec3<Real>(sum(power[0]), sum(power[1]), sum(power[2]));
+        if (!nodes_.empty()) add_nodes(local);
+    }
+}
+
+template <class Real>
+void Tile<Real>::add_curved() {
+    std::vector<Box<Real>> boxes(clusters_.size());
+    for (std::size_t i = 0; i < clusters_.size(); ++i) boxes[i] = pyramid_.box(clusters_[i], low_, high_);
+    for (const Local& local : locals_) {
+        const Receiver<Real>& r = local.receiver;
+        const LandingFrame<Real> frame(r);
+        const Box<Real> own{r.position.x - local.half_a, r.position.x + local.half_a,
+                            r.position.y - local.half_b, r.position.y + local.half_b};
+        Lanes<Real> power[3] = {};
+        for (std::size_t i = 0; i < clusters_.size(); ++i) {
+            if (!overlap(boxes[i], own)) continue;
+            LitCluster<Real> lit;
+            land_cluster(clusters_[i], frame, lit);
+            add_cluster(local, lit, power, [](const LandedBeams<Real>& landed) { return landed; });
+        }
+        irradiance_[local.index] +=
+            local.inverse_area * Vec3<Real>(sum(power[0]), sum(power[1]), sum(power[2]));
+        if (!nodes_.empty()) add_nodes(local);
+    }
+}
+
+template <class Real>
+template <class At>
+void Tile<Real>::add_cluster(const Local& local, const LitCluster<Real>& lit, Lanes<Real> (&power)[3],
+                             At&& at) {
+    for (int c = 0; c < kChunks<Real>; ++c) {
+        const LandedBeams<Real> beams = at(lit.landed[c].beams);
+        const Mask<Real> met = may_meet_square(beams) & lit.landed[c].lands;
+        if (!any(met)) continue;
+        Lanes<Real> share = covered_share(beams);
+        share = met ? share : Lanes<Real>{};
+        if (lit.cut_by_surface || !free_after_ || !free_before_) {
+            unsigned lanes = bits(share > 0);
+            for (; lanes != 0; lanes &= lanes - 1) {
+                const int lane = __builtin_ctz(lanes);
+                add_pair(local, lit, c, lane, beams, share[lane], lit.cut_by_surface);
+            }
+            continue;
+        }
+        power[0] += share * lit.red[c];
+        power[1] += share * lit.green[c];
+        power[2] += share * lit.blue[c];
+    }
+}
+
+template <class Real>
+void Tile<Real>::add_pair(const Local& local, const LitCluster<Real>& lit, int chunk, int lane,
+                          const LandedBeams<Real>& beams, Real share, bool clipped) {
+    Real x[3], y[3], past[3];
+    for (int k = 0; k < 3; ++k) {
+        x[k] = beams.x[k][lane];
+        y[k] = beams.y[k][lane];
+        past[k] = clipped ? lit.landed[chunk].past_start[k][lane] : Real(1);
+    }
+    const ClippedBeam<Real> part = clip_beam(x, y, past);
+    // Without a surface in its way the share by edges is the better one.
+    const bool whole = past[0] >= 0 && past[1] >= 0 && past[2] >= 0;
+    const Real scale = local.inverse_area * (whole ? share : std::min(share, part.share));
+    const Vec3<Real> irradiance =
+        scale * Vec3<Real>(lit.red[chunk][lane], lit.green[chunk][lane], lit.blue[chunk][lane]);
+    if (!(irradiance.x + irradiance.y + irradiance.z > 0)) return;
+    if (free_after_ && free_before_) {
+        irradiance_[local.index] += irradiance;
+        return;
+    }
+    const Receiver<Real>& r = local.receiver;
+    Vec3<Real> water(0), landed = r.position;
+    const glm::uvec3& triangle =
+        sheet_.triangles()[lit.beam[static_cast<std::size_t>(chunk * kLanes<Real> + lane)]];
+    // A beam landed on a line: its middle.
+    const bool empty = part.weights[0] + part.weights[1] + part.weights[2] == 0;
+    Real px = 0, py = 0;
+    for (int k = 0; k < 3; ++k) {
+        const Real weight = empty ? Real(1) / 3 : part.weights[k];
+        const auto& ray = sheet_.sheet_.rays[triangle[k]];
+        const Real start = sheet_.sheet_.start[triangle[k]];
+        water += weight * Vec3<Real>(ray.a + start * ray.slope_a, ray.b + start * ray.slope_b, start);
+        px += weight * x[k];
+        py += weight * y[k];
+    }
+    // Where a surface curves, its tangent plane may lie inside it.
+    if (sheet_.occluders_.convex(object_) && !empty) landed += px * r.u + py * r.v;
+    const glm::mat<3, 3, Real> world_from_sheet(sheet_.sheet_.world_from_mesh);
+    pairs_.push_back(
+        {local.index, irradiance, glm::vec3(world_from_sheet * landed), glm::vec3(world_from_sheet * water)});
+    const glm::vec3 normal(world_from_sheet * r.normal);
+    glm::vec3& point = pairs_.back().receiver_point;
+    point += std::max(1e-6f, 4e-7f * glm::length(point)) * normal;
+    if (pairs_.size() >= kPairsAtOnce) settle_pairs();
+}
+
+template <class Real>
+void Tile<Real>::settle_pairs() {
+    if (pairs_.empty()) return;
+    std::vector<std::uint8_t> hidden(pairs_.size(), 0), blocked(pairs_.size(), 0);
+    std::vector<rays::Ray> shadow_rays(pairs_.size());
+    const auto trace = [&] {
+        std::fill(blocked.begin(), blocked.end(), std::uint8_t{0});
+        sheet_.rays_.occluded_by_objects(shadow_rays, blocked);
+        counts_.shadow_rays += shadow_rays.size();
+        for (std::size_t i = 0; i < hidden.size(); ++i) hidden[i] |= blocked[i];
+    };
+    if (!free_after_) {
+        for (std::size_t i = 0; i < pairs_.size(); ++i)
+            shadow_rays[i] = {pairs_[i].receiver_point, 0, pairs_[i].water_point - pairs_[i].receiver_point,
+                              1};
+        trace();
+    }
+    if (!free_before_) {
+        const glm::vec3 to_sun(-sheet_.sheet_.light_direction);
+        const bool sun = sheet_.sheet_.light_direction != glm::dvec3(0);
+        const scene::FrameState& state = sheet_.scene_.state;
+        const glm::vec3 lamp(state.lights[static_cast<std::size_t>(sheet_.sheet_.light)].position -
+                             sheet_.scene_.origin);
+        for (std::size_t i = 0; i < pairs_.size(); ++i) {
+            const glm::vec3 from = pairs_[i].water_point;
+            shadow_rays[i] = {from, 0, sun ? to_sun : lamp - from,
+                              sun ? std::numeric_limits<float>::infinity() : 1.0f};
+        }
+        trace();
+    }
+    for (std::size_t i = 0; i < pairs_.size(); ++i)
+        if (!hidden[i]) irradiance_[pairs_[i].index] += pairs_[i].irradiance;
+    pairs_.clear();
+}
+
+/// Whole nodes, opened where they cross the footprint's border.
+template <class Real>
+void Tile<Real>::add_nodes(const Local& local) {
+    const Receiver<Real>& r = local.receiver;
+    using Vec2 = glm::vec<2, Real>;
+    const Vec2 u(r.u), v(r.v), centre(r.position);
+    const Real determinant = u.x * v.y - u.y * v.x;
+    // Rows of the inverse of (u v): footprint coordinates seen along the axis.
+    const Vec2 to_x = Vec2(v.y, -v.x) / determinant, to_y = Vec2(-u.y, u.x) / determinant;
+    const Real low = r.position.z - local.half_depth, high = r.position.z + local.half_depth;
+    const LandingFrame<Real> frame(r);
+    Lanes<Real> power[3] = {};
+    Vec3<Real> sums(0);
+    std::vector<NodeId> open(nodes_.rbegin(), nodes_.rend());
+    while (!open.empty()) {
+        const NodeId node = open.back();
+        open.pop_back();
+        if (pyramid_.dark(node)) continue;
+        // A ray that is within the footprint's prism along the axis at both depths is so between them, where
+        // it lands: all rays of the node are, if its box is.
+        const Box<Real> box = pyramid_.box(node, low, high);
+        const Vec2 middle = Real(0.5) * Vec2(box.low_a + box.high_a, box.low_b + box.high_b) - centre;
+        const Vec2 half = Real(0.5) * Vec2(box.high_a - box.low_a, box.high_b - box.low_b);
+        const Real x = std::abs(glm::dot(to_x, middle)), reach_x = glm::dot(glm::abs(to_x), half);
+        const Real y = std::abs(glm::dot(to_y, middle)), reach_y = glm::dot(glm::abs(to_y), half);
+        if (x - reach_x > Real(0.5) || y - reach_y > Real(0.5)) continue;
+        if (x + reach_x <= Real(0.5) && y + reach_y <= Real(0.5)) {
+            ++counts_.whole_nodes;
+            sums += whole(local, node);
+        } else if (node.level > 0) {
+            pyramid_.visit_children(node, [&](NodeId child) { open.push_back(child); });
+        } else {
+            LitCluster<Real> lit;
+            land_cluster(node, frame, lit);
+            add_cluster(local, lit, power, [](const LandedBeams<Real>& landed) { return landed; });
+        }
+    }
+    irradiance_[local.index] +=
+        local.inverse_area * (sums + Vec3<Real>(sum(power[0]), sum(power[1]), sum(power[2])));
+}
+
+/// Power of all beams of a node, W, absorbed over their mean way.
+template <class Real>
+Vec3<Real> Tile<Real>::whole(const Local& local, NodeId node) {
+    const auto& sums = pyramid_.sums(node);
+    const Real way =
+        (local.receiver.position.z - sums.flux_start / sums.flux) * (sums.flux_stretch / sums.flux);
+    const Vec3<Real> color(sheet_.sheet_.color), absorption(sheet_.absorption_);
+    return sums.flux * color * glm::exp(-std::max(Real(0), way) * absorption);
+}
+
+template class Tile<float>;
+template class Tile<double>;
+
+}  // namespace dapple::methods::sliced_beams

@@ -1,0 +1,93 @@
+#pragma once
+#include <array>
+#include <vector>
+
+#include "methods/sliced_beams/polygon.h"
+#include "methods/sliced_beams/sheet_coverage.h"
+
+namespace dapple::methods::sliced_beams {
+
+/// Eight landed beams and what they bring, a lane each.
+template <class Real>
+struct LitCluster {
+    LandedChunk<Real> landed[kChunks<Real>];
+    Lanes<Real> red[kChunks<Real>], green[kChunks<Real>], blue[kChunks<Real>];  ///< W, after absorption
+    std::array<std::uint32_t, kClusterBeams> beam;
+    bool cut_by_surface =
+        false;  ///< a beam leaves the water beyond the receivers' plane with some of its rays
+};
+
+/// One query of a SheetCoverage: receivers near each other on one object. Finds the nodes of the pyramid that
+/// can matter to any of them once, then goes through these for each receiver.
+template <class Real>
+class Tile {
+public:
+    Tile(const SheetCoverage<Real>& sheet, std::span<const Receiver<Real>> receivers, std::uint32_t object,
+         std::span<Vec3<Real>> irradiance, QueryCounts& counts);
+    void run();
+
+private:
+    using NodeId = typename BeamPyramid<Real>::NodeId;
+    struct Local {
+        Receiver<Real> receiver;  ///< in the sheet's axes
+        Real half_a, half_b, half_depth;
+        Real inverse_area;  ///< 1/m^2
+        std::size_t index;
+    };
+    struct Whole {
+        Box<Real> box;
+        NodeId node;
+    };
+    /// A beam's share of a receiver's light, if nothing stands in its way.
+    struct Pair {
+        std::size_t index;
+        Vec3<Real> irradiance;
+        glm::vec3 receiver_point, water_point;  ///< m, world axes relative to the frame's origin
+    };
+    /// Clusters landed on a plane, and their bounds there.
+    struct LandedTile {
+        std::vector<LitCluster<Real>> clusters;
+        std::vector<Real> low_x, high_x, low_y,
+            high_y;  ///< padded to whole registers by boxes that meet nothing
+    };
+
+    void place_receivers(std::span<const Receiver<Real>> receivers);
+    void find_nodes();
+    bool test_free(std::uint32_t object);
+    bool planar() const;
+    void land_cluster(NodeId node, const LandingFrame<Real>& frame, LitCluster<Real>& lit);
+    LandedTile land_all(const LandingFrame<Real>& frame);
+    void add_planar();
+    void add_curved();
+    void add_nodes(const Local& local);
+    void add_node(const Local& local, NodeId node, Vec3<Real>& power);
+    Vec3<Real> whole(const Local& local, NodeId node);
+    /// Adds the cluster's light on a footprint, or the pairs to be tested. `at` moves landed beams to the
+    /// receiver's footprint coordinates.
+    template <class At>
+    void add_cluster(const Local& local, const LitCluster<Real>& lit, Lanes<Real> (&power)[3], At&& at);
+    void add_pair(const Local& local, const LitCluster<Real>& lit, int chunk, int lane,
+                  const LandedBeams<Real>& beams, Real share, bool clipped);
+    void settle_pairs();
+
+    const SheetCoverage<Real>& sheet_;
+    const BeamPyramid<Real>& pyramid_;
+    std::span<Vec3<Real>> irradiance_;
+    QueryCounts& counts_;
+    std::uint32_t object_;
+    std::vector<Local> locals_;
+    Box<Real> bounds_{};
+    Real low_ = 0, high_ = 0;         ///< depths of the receivers
+    Real least_a_ = 0, least_b_ = 0;  ///< extents of the smallest footprint
+    bool below_surface_ = false;      ///< all receivers lie deeper than any ray's start
+    bool whole_allowed_ = false;
+    bool free_after_ = true, free_before_ = true;
+    std::vector<NodeId> clusters_;
+    std::vector<NodeId> nodes_;  ///< above the finest level: smaller than the footprints
+    std::vector<Pair> pairs_;
+};
+
+extern template class Tile<float>;
+extern template class Tile<double>;
+
+}  // namespace dapple::methods::sliced_beams
