@@ -34,10 +34,6 @@ Heights object_heights(const scene::Object& object, const scene::TriangleMesh* m
     return {world_from_object[3].y - reach, world_from_object[3].y + reach};
 }
 
-bool light_above_water(const scene::Light& light) {
-    return light.type == scene::LightType::sun || light.position.y > 0;
-}
-
 bool inside(const scene::Extent& extent, glm::dvec3 position) {
     const glm::dvec2 offset = glm::abs(glm::dvec2(position.x, position.z) - extent.center);
     return extent.kind == scene::ExtentKind::open_water ||
@@ -49,10 +45,6 @@ bool meets(const scene::Extent& extent, glm::dvec3 lowest, glm::dvec3 highest) {
     const glm::dvec2 low = extent.center - 0.5 * extent.size, high = extent.center + 0.5 * extent.size;
     return extent.kind == scene::ExtentKind::open_water ||
            (lowest.x <= high.x && highest.x >= low.x && lowest.z <= high.y && highest.z >= low.y);
-}
-
-const char* event_name(light::Event event) {
-    return event == light::Event::transmission ? "T" : "R";
 }
 
 class Planner {
@@ -133,8 +125,7 @@ private:
         const scene::Light& light = state_.lights[static_cast<std::size_t>(index)];
         const bool above = light_above_water(light);
         const bool lands_above = (event == light::Event::reflection) == above;
-        const std::string name = light.name.empty() ? "lights[" + std::to_string(index) + "]" : light.name;
-        const std::string pass = name + " > water:" + event_name(event);
+        const std::string pass = chain_name(state_, {index, event});
         if (support_.degree == methods::Support::Degree::no) {
             add(pass, false, "the method does not serve this scene");
             return;
@@ -208,6 +199,16 @@ private:
 };
 
 }  // namespace
+
+std::string chain_name(const scene::FrameState& state, light::Chain chain) {
+    const std::string& name = state.lights[static_cast<std::size_t>(chain.light)].name;
+    return (name.empty() ? "lights[" + std::to_string(chain.light) + "]" : name) +
+           " > water:" + (chain.event == light::Event::transmission ? "T" : "R");
+}
+
+bool light_above_water(const scene::Light& light) {
+    return light.type == scene::LightType::sun || light.position.y > 0;
+}
 
 Plan make_plan(const scene::FrameScene& scene, const methods::CausticMethod& method) {
     return Planner(scene, method).make();

@@ -1,4 +1,5 @@
 #pragma once
+#include <string>
 #include <vector>
 
 #include "light/beam_mesh.h"
@@ -18,6 +19,12 @@ struct Plan {
     bool sky_light = false;
     std::vector<PlanLine> lines;  ///< what --plan prints
 };
+
+/// "sun > water:T": the light by its name, or its index where it has none.
+std::string chain_name(const scene::FrameState& state, light::Chain chain);
+
+/// By the rest plane: what counts for plans.
+bool light_above_water(const scene::Light& light);
 
 Plan make_plan(const scene::FrameScene& scene, const methods::CausticMethod& method);
 
