@@ -109,6 +109,15 @@ glm::dvec3 twice_area(const scene::TriangleMesh& mesh, glm::uvec3 t) {
     return glm::cross(mesh.positions[t.y] - a, mesh.positions[t.z] - a);
 }
 
+/// Share at the middle of a triangle by its own plane, where normals mean nothing.
+template <class Rays>
+double share_of_plane(const Rays& rays, const scene::TriangleMesh& mesh, glm::uvec3 t, glm::dvec3 area,
+                      Event event, double eta) {
+    const Arrival arrival = rays.at((mesh.positions[t.x] + mesh.positions[t.y] + mesh.positions[t.z]) / 3.0);
+    const double cos_i = std::clamp(-glm::dot(area, arrival.direction) / glm::length(area), 0.0, 1.0);
+    return arrival.falloff * event_share(event, cos_i, eta);
+}
+
 template <class Rays>
 double incident(const Rays& rays, const scene::TriangleMesh& mesh, glm::uvec3 t, double side,
                 glm::dvec3 area) {
@@ -195,29 +204,10 @@ FluxSurvey fill_flux(const scene::TriangleMesh& mesh, const WaterLight& light, d
     sheet.flux.resize(count);
     std::vector<FluxSurvey> tiles(count / kTile + 1);
 
-    /// Where to a triangle's light goes that no sheet carries.
-    const auto lose = [&](glm::uvec3 t, glm::dvec3 area, double met, BeamLosses& losses) {
-        const double mean = (events.share[t.x] + events.share[t.y] + events.share[t.z]) / 3;
-        const bool ray_missing = !(events.cones[t.x] && events.cones[t.y] && events.cones[t.z]);
-        if (!(mean >= 0)) {
-            // Normals mean nothing; the plane of the triangle still says what the event would have been.
-            const glm::dvec3 center = (mesh.positions[t.x] + mesh.positions[t.y] + mesh.positions[t.z]) / 3.0;
-            with_rays(light, [&](const auto& rays) {
-                const Arrival arrival = rays.at(center);
-                const double cos_i =
-                    std::clamp(-side * glm::dot(area, arrival.direction) / glm::length(area), 0.0, 1.0);
-                losses.not_finite += met * arrival.falloff * event_share(sheet.event, cos_i, eta);
-            });
-        } else if (ray_missing) {
-            losses.total_reflection += met * mean;
-        } else {
-            losses.outside_cone += met * mean;
-        }
-    };
     const auto flux_of = [&](const auto& rays, std::size_t index, FluxSurvey& survey) {
         const glm::uvec3 t = mesh.triangles[index];
         const glm::dvec3 area = twice_area(mesh, t);
-        double met = incident(rays, mesh, t, side, area);
+        const double met = incident(rays, mesh, t, side, area);
         if (!(std::abs(met) < kInfinity)) {
             ++survey.losses.unknown_facets;
             return 0.0;
@@ -225,21 +215,27 @@ FluxSurvey fill_flux(const scene::TriangleMesh& mesh, const WaterLight& light, d
         survey.steepest_squared = std::max(survey.steepest_squared, slope_squared(area));
         survey.faces_away |= met < 0;
         if (!(met > 0)) return 0.0;
-        const double mean = (events.share[t.x] + events.share[t.y] + events.share[t.z]) / 3;
+        double share = (events.share[t.x] + events.share[t.y] + events.share[t.z]) / 3;
+        const bool finite = share >= 0;
+        if (!finite) share = share_of_plane(rays, mesh, t, side * area, sheet.event, eta);
+        double flux = met * share;
         if (!visible.empty()) {
             const double seen = static_cast<double>(visible[index]);
-            if (mean >= 0) survey.losses.wave_shadow += met * mean * (1 - seen);
-            met *= seen;
+            survey.losses.wave_shadow += flux * (1 - seen);
+            flux *= seen;
         }
         const unsigned cones = events.cones[t.x] & events.cones[t.y] & events.cones[t.z];
         if (cones == 0) {
-            lose(t, area, met, survey.losses);
+            const bool all_rays = events.cones[t.x] && events.cones[t.y] && events.cones[t.z];
+            (!finite    ? survey.losses.not_finite
+             : all_rays ? survey.losses.outside_cone
+                        : survey.losses.total_reflection) += flux;
             return 0.0;
         }
-        survey.axes |= cones & -cones;
+        if (flux > 0) survey.axes |= cones & -cones;
         if (std::countr_zero(cones) != axis_index) return 0.0;
-        survey.beams += met * mean > 0 ? 1 : 0;
-        return met * mean;
+        survey.beams += flux > 0 ? 1 : 0;
+        return flux;
     };
     with_rays(light, [&](const auto& rays) {
         parallel_for(count, kTile, [&](std::size_t begin, std::size_t end) {

@@ -73,6 +73,7 @@ public:
         const auto axes = sheet_axes(mesh_axis(setup_.light, light.from_below, setup_.event, index));
         const std::size_t first = sheets.size();
         std::uint32_t wanted = 1;
+        std::vector<std::uint8_t> crossings;
         for (int k = 0; k < kSheetAxes; ++k) {
             if (!(wanted >> k & 1)) continue;
             BeamSheet<Real>& sheet = sheets.emplace_back();
@@ -102,7 +103,7 @@ public:
             if (sheets.size() == first + 1) sheet.losses = survey.losses;
             if (events_.flattest_squared <= survey.steepest_squared)
                 sheet.losses.second_crossing =
-                    second_crossing(scene_, rays_, light, sheet, survey.steepest_squared);
+                    second_crossing(scene_, rays_, light, sheet, survey.steepest_squared, crossings);
         }
     }
 

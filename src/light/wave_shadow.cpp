@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "base/parallel.h"
+#include "light/shadow_region.h"
 
 namespace dapple::light {
 namespace {
@@ -12,7 +13,8 @@ namespace {
 constexpr std::size_t kTile = 1 << 12;
 constexpr int kSplits = 4;  // of an edge: 16 parts of a triangle
 
-enum : std::uint8_t { kHidden, kLit, kUnknown };
+enum : std::uint8_t { kHidden, kLit, kUnknown };          // a vertex, seen from the light
+enum : std::uint8_t { kNotAsked, kLeaves, kMeetsAgain };  // a ray after the event
 
 /// m: what positions of the frame, rounded to float, may be off by, some times over.
 double surface_offset(const scene::FrameScene& scene) {
@@ -39,6 +41,7 @@ rays::Ray shadow_ray(const scene::FrameScene& scene, const WaterLight& light, gl
 std::vector<std::uint8_t> vertex_states(const scene::FrameScene& scene, const rays::RayScene& rays,
                                         const WaterLight& light, double offset) {
     const scene::TriangleMesh& mesh = scene.water->mesh;
+    const ShadowRegion region(mesh, light);
     std::vector<std::uint8_t> states(mesh.positions.size());
     parallel_for(states.size(), kTile, [&](std::size_t begin, std::size_t end) {
         std::vector<rays::Ray> ways;
@@ -47,15 +50,16 @@ std::vector<std::uint8_t> vertex_states(const scene::FrameScene& scene, const ra
             const glm::dvec3 position = mesh.positions[v], normal = light.side() * mesh.normals[v];
             const glm::dvec3 direction =
                 light.type == scene::LightType::sun ? light.direction : position - light.position;
-            states[v] = kUnknown;
-            if (!(glm::dot(normal, direction) < 0)) continue;
+            const bool faces = glm::dot(normal, direction) < 0;
+            states[v] = faces ? kLit : kUnknown;
+            if (!faces || !region.holds(position)) continue;
             ways.push_back(shadow_ray(scene, light, position + offset * normal));
             vertices.push_back(v);
         }
         std::vector<rays::Hit> hits(ways.size());
         rays.intersect_water(ways, hits);
         for (std::size_t i = 0; i < hits.size(); ++i)
-            states[vertices[i]] = hits[i].primitive == rays::kNoHit ? kLit : kHidden;
+            if (hits[i].primitive != rays::kNoHit) states[vertices[i]] = kHidden;
     });
     return states;
 }
@@ -117,16 +121,18 @@ std::vector<float> visible_shares(const scene::FrameScene& scene, const rays::Ra
 
 template <class Real>
 double second_crossing(const scene::FrameScene& scene, const rays::RayScene& rays, const WaterLight& light,
-                       const BeamSheet<Real>& sheet, double steepest_squared) {
+                       const BeamSheet<Real>& sheet, double steepest_squared,
+                       std::vector<std::uint8_t>& crossings) {
     const scene::TriangleMesh& mesh = scene.water->mesh;
     const double offset = surface_offset(scene);
     const double side = (sheet.event == Event::reflection ? 1 : -1) * light.side();
-    std::vector<std::uint8_t> meets(sheet.rays.size(), 0);
-    parallel_for(meets.size(), kTile, [&](std::size_t begin, std::size_t end) {
+    crossings.resize(sheet.rays.size(), kNotAsked);
+    parallel_for(crossings.size(), kTile, [&](std::size_t begin, std::size_t end) {
         std::vector<rays::Ray> ways;
         std::vector<std::size_t> vertices;
         for (std::size_t v = begin; v < end; ++v) {
-            if (!sheet.valid[v]) continue;
+            if (!sheet.valid[v] || crossings[v] != kNotAsked) continue;
+            crossings[v] = kLeaves;
             const glm::dvec3 way =
                 sheet.world_from_mesh * glm::dvec3(sheet.rays[v].slope_a, sheet.rays[v].slope_b, 1);
             if (way.y * way.y > steepest_squared * (way.x * way.x + way.z * way.z)) continue;
@@ -138,22 +144,26 @@ double second_crossing(const scene::FrameScene& scene, const rays::RayScene& ray
         }
         std::vector<rays::Hit> hits(ways.size());
         rays.intersect_water(ways, hits);
-        for (std::size_t i = 0; i < hits.size(); ++i) meets[vertices[i]] = hits[i].primitive != rays::kNoHit;
+        for (std::size_t i = 0; i < hits.size(); ++i)
+            if (hits[i].primitive != rays::kNoHit) crossings[vertices[i]] = kMeetsAgain;
     });
     std::vector<double> tiles(mesh.triangles.size() / kTile + 1, 0);
     parallel_for(mesh.triangles.size(), kTile, [&](std::size_t begin, std::size_t end) {
+        double sum = 0;
         for (std::size_t i = begin; i < end; ++i) {
             const glm::uvec3 t = mesh.triangles[i];
-            tiles[begin / kTile] +=
-                static_cast<double>(sheet.flux[i]) * (meets[t.x] + meets[t.y] + meets[t.z]) / 3;
+            const int met = (crossings[t.x] == kMeetsAgain) + (crossings[t.y] == kMeetsAgain) +
+                            (crossings[t.z] == kMeetsAgain);
+            sum += static_cast<double>(sheet.flux[i]) * met / 3;
         }
+        tiles[begin / kTile] = sum;
     });
     return std::accumulate(tiles.begin(), tiles.end(), 0.0);
 }
 
 template double second_crossing(const scene::FrameScene&, const rays::RayScene&, const WaterLight&,
-                                const BeamSheet<float>&, double);
+                                const BeamSheet<float>&, double, std::vector<std::uint8_t>&);
 template double second_crossing(const scene::FrameScene&, const rays::RayScene&, const WaterLight&,
-                                const BeamSheet<double>&, double);
+                                const BeamSheet<double>&, double, std::vector<std::uint8_t>&);
 
 }  // namespace dapple::light

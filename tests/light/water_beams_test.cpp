@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <limits>
 #include <numeric>
 
 #include "light/water_grids.h"
@@ -114,18 +116,496 @@ TEST(WaterBeams, FlatWaterFollowsSnellAndFresnelInFloat) {
     expect_flat_water<float>(2e-7);
 }
 
+/// Light that the triangles meet which face it: m^2 for a sun.
+double met_by_sun(const scene::FrameScene& scene) {
+    double met = 0;
+    for (const glm::uvec3 t : scene.water->mesh.triangles) {
+        const auto& p = scene.water->mesh.positions;
+        const double one =
+            -0.5 * glm::dot(glm::cross(p[t.y] - p[t.x], p[t.z] - p[t.x]), scene.state.lights[0].direction);
+        if (one > 0) met += one;
+    }
+    return met;
+}
+
+template <class Real>
+void expect_sound(const std::vector<BeamSheet<Real>>& sheets) {
+    for (const auto& sheet : sheets) {
+        for (std::size_t v = 0; v < sheet.rays.size(); ++v) {
+            const auto& ray = sheet.rays[v];
+            ASSERT_TRUE(std::isfinite(ray.a) && std::isfinite(ray.b) && std::isfinite(ray.slope_a) &&
+                        std::isfinite(ray.slope_b) && std::isfinite(sheet.start[v]));
+            // dot(direction, axis) > 0.1 is a slope below sqrt(99); a float's rounding of it.
+            ASSERT_LT(std::hypot(ray.slope_a, ray.slope_b), std::sqrt(99.0) * (1 + 1e-6));
+        }
+        for (const Real f : sheet.flux) ASSERT_TRUE(f >= 0 && std::isfinite(f));
+    }
+}
+
 TEST(WaterBeams, TransmittedAndReflectedFluxSumToWhatMeetsAWavySea) {
     scene::FrameScene scene = test::water_scene({6, 6});
     scene.state.lights = {test::sun(40)};
     test::add_water(scene, test::gentle_sea(), 100, 100);
     const double sum =
         flux(beams<double>(scene, Event::transmission)) + flux(beams<double>(scene, Event::reflection));
-    double met = 0;
-    for (const glm::uvec3 t : scene.water->mesh.triangles) {
-        const auto& p = scene.water->mesh.positions;
-        met -= 0.5 * glm::dot(glm::cross(p[t.y] - p[t.x], p[t.z] - p[t.x]), scene.state.lights[0].direction);
+    EXPECT_NEAR(sum / met_by_sun(scene), 1, 1e-12);  // 2e4 triangles, round-off of the sum
+}
+
+/// Curves on the sheets of water, extruded along z: x and h of a parameter in [0, 1], with the normals of the
+/// curve. The light of a sun of azimuth 0 stays in planes of constant z.
+struct Curve {
+    std::vector<glm::dvec2> points;  // x, h
+    std::vector<glm::dvec2> normals;
+};
+
+Curve sampled(int cells, const std::function<glm::dvec2(double)>& at) {
+    Curve curve;
+    for (int i = 0; i <= cells; ++i) {
+        const double s = double(i) / cells, e = 1e-4 / cells;
+        curve.points.push_back(at(s));
+        const glm::dvec2 along = at(s + e) - at(s - e);
+        curve.normals.push_back(glm::normalize(glm::dvec2(-along.y, along.x)));
     }
-    EXPECT_NEAR(sum / met, 1, 1e-12);  // 2e4 triangles, round-off of the sum
+    return curve;
+}
+
+scene::FrameScene extruded(const Curve& curve, double width) {
+    const int cells = static_cast<int>(curve.points.size()) - 1;
+    const double length = curve.points.back().x - curve.points.front().x;
+    scene::FrameScene scene = test::water_scene({length, width});
+    test::add_water(scene, {}, cells, 16);
+    auto water = std::make_shared<scene::WaterMesh>(*scene.water);
+    for (std::size_t v = 0; v < water->mesh.positions.size(); ++v) {
+        const std::size_t i = v % curve.points.size();
+        water->mesh.positions[v].x = curve.points[i].x;
+        water->mesh.positions[v].y = curve.points[i].y;
+        water->mesh.normals[v] = {curve.normals[i].x, curve.normals[i].y, 0};
+    }
+    scene.water = water;
+    return scene;
+}
+
+/// What a sun of azimuth 0 sends onto an extruded curve: light rays are the lines u = h cos(e) - x sin(e),
+/// and a curve that hangs together is met from above by all between its end on the sun's side and its
+/// highest.
+double met_by_curve(const Curve& curve, double elevation, double width) {
+    const auto u = [&](glm::dvec2 p) { return p.y * std::cos(elevation) - p.x * std::sin(elevation); };
+    double most = -HUGE_VAL;
+    for (const glm::dvec2 p : curve.points) most = std::max(most, u(p));
+    return (most - u(curve.points.back())) * width;
+}
+
+/// Two ridges of 0.5 m with sides at 45 degrees, tops at x = 1.5 and -1, on level water from -4 to 3.
+double two_ridges(double x) {
+    return std::max({0.0, 0.5 - std::abs(x - 1.5), 0.5 - std::abs(x + 1)});
+}
+
+struct RidgeScene {
+    double elevation = std::atan(0.2);
+    double width = 1.5;
+    Curve curve = sampled(350, [](double s) { return glm::dvec2(7 * s - 4, two_ridges(7 * s - 4)); });
+    scene::FrameScene scene = extruded(curve, width);
+    RidgeScene() { scene.state.lights = {test::sun(90 - glm::degrees(elevation), 0)}; }
+    double middle(std::size_t t) const {
+        const auto& mesh = scene.water->mesh;
+        const glm::uvec3 i = mesh.triangles[t];
+        return (mesh.positions[i.x].x + mesh.positions[i.y].x + mesh.positions[i.z].x) / 3;
+    }
+};
+
+TEST(WaterBeams, ARidgeShadowsTheWaterBehindIt) {
+    const RidgeScene ridges;
+    const auto sheets = beams<double>(ridges.scene, Event::transmission);
+    ASSERT_EQ(sheets.size(), 1u);
+    // The sun stands over +x. The first ridge hides all down to x = -0.5 and the foot of the second up to
+    // 0.5 - 0.2 (1.5 - x) = -0.5 - x, the second ridge all from its top to -1 - 0.5 / 0.2.
+    const double foot = -0.7 / 1.2, behind = -3.5;
+    const double cell = 7.0 / 350;
+    for (std::size_t t = 0; t < sheets[0].flux.size(); ++t) {
+        const double x = ridges.middle(t);
+        const auto near = [&](double edge) { return std::abs(x - edge) < cell; };
+        if (near(foot) || near(behind) || near(1.5) || near(-1)) continue;
+        const bool lit = x < behind || (x > -1 && x < foot) || x > 1.5;
+        ASSERT_EQ(sheets[0].flux[t] > 0, lit) << x;
+    }
+    const double carried = flux(sheets) + flux(beams<double>(ridges.scene, Event::reflection));
+    // Two shadow edges, each within a cell that meets a fiftieth of the light at most (the ridge's side) and
+    // that is sampled at 16 points, two of which may be misjudged.
+    EXPECT_NEAR(carried / met_by_curve(ridges.curve, ridges.elevation, ridges.width), 1, 2.5e-3);
+    const double all =
+        flux_and_losses(sheets) + flux_and_losses(beams<double>(ridges.scene, Event::reflection));
+    EXPECT_NEAR(all / met_by_sun(ridges.scene), 1, 1e-12);
+}
+
+TEST(WaterBeams, LightThatTheNextWaveCatchesIsCountedAndKept) {
+    const RidgeScene ridges;
+    const auto sheets = beams<double>(ridges.scene, Event::reflection);
+    // Light mirrored by the level strip from x = 2 to 3 meets the first ridge; all other leaves: the lit
+    // sides of the ridges send it up, and nothing stands before the strip at the far end.
+    const double strip = std::sin(ridges.elevation) * ridges.width;
+    const double expected = strip * reflectance(glm::radians(90.0) - ridges.elevation, kIndex);
+    // The corner's normals are of neither side: one cell of fifty. Rays along the border, a sixteenth of the
+    // flux, may slip past it.
+    EXPECT_NEAR(sheets[0].losses.second_crossing / expected, 0.95, 0.05);
+    double carried = 0;
+    for (std::size_t t = 0; t < sheets[0].flux.size(); ++t)
+        if (ridges.middle(t) > 2.04) carried += sheets[0].flux[t];
+    EXPECT_NEAR(carried / expected, 0.96, 0.01);
+}
+
+TEST(WaterBeams, LightEntersAnOverturnedWaveAtItsTopOnly) {
+    for (const double zenith : {0.0, 40.0}) {
+        SCOPED_TRACE(zenith);
+        const Curve curve = sampled(600, [](double s) {
+            const double angle = glm::two_pi<double>() * 3 * s;
+            return glm::dvec2(6 * s + 0.6 * std::sin(angle), 0.25 * std::cos(angle + 1));
+        });
+        scene::FrameScene scene = extruded(curve, 1);
+        scene.state.lights = {test::sun(zenith, 0)};
+        for (const bool grid : {true, false}) {
+            auto water = std::make_shared<scene::WaterMesh>(*scene.water);
+            if (!grid) water->rows = water->columns = 0;
+            scene.water = water;
+            const auto through = beams<double>(scene, Event::transmission);
+            const auto mirrored = beams<double>(scene, Event::reflection);
+            expect_sound(through);
+            expect_sound(mirrored);
+            EXPECT_GT(through[0].losses.wave_shadow, 0.1);
+            // Three or six shadow edges, each good to an eighth of one of 600 cells.
+            EXPECT_NEAR((flux(through) + flux(mirrored)) / met_by_curve(curve, glm::radians(90 - zenith), 1),
+                        1, 2.5e-3);
+        }
+    }
+}
+
+TEST(WaterBeams, LowSunsAreAccountedForToTheLastRay) {
+    const Curve curve = sampled(800, [](double s) {
+        const double x = 8 * s - 4;
+        return glm::dvec2(x, 0.03 * std::cos(4 * x) + 0.02 * std::sin(9 * x + 1));
+    });
+    scene::FrameScene scene = extruded(curve, 2);
+    for (const double elevation : {0.1, 0.3, 1.0, 2.0, 5.0}) {
+        SCOPED_TRACE(elevation);
+        scene.state.lights = {test::sun(90 - elevation, 0)};
+        const auto through = beams<float>(scene, Event::transmission);
+        const auto mirrored = beams<float>(scene, Event::reflection);
+        expect_sound(through);
+        expect_sound(mirrored);
+        // Fluxes are rounded to float, a triangle.
+        EXPECT_NEAR((flux_and_losses(through) + flux_and_losses(mirrored)) / met_by_sun(scene), 1, 1e-6);
+        // What is lit are strips at the crests, as narrow as 20 cells, whose edges are sampled by sixteenths.
+        EXPECT_NEAR((flux(through) + flux(mirrored)) / met_by_curve(curve, glm::radians(elevation), 2), 1,
+                    0.02);
+    }
+}
+
+TEST(WaterBeams, SunsFarBelowADegreeMeetFlatWaterWithoutLoss) {
+    scene::FrameScene scene = test::water_scene({4, 4});
+    test::add_water(scene, {}, 20, 20);
+    for (const double elevation : {1e-4, 0.01, 0.1}) {
+        scene.state.lights = {test::sun(90 - elevation)};
+        for (const Event event : {Event::transmission, Event::reflection}) {
+            const auto sheets = beams<float>(scene, event);
+            ASSERT_EQ(sheets.size(), 1u);
+            expect_sound(sheets);
+            EXPECT_EQ(flux_and_losses(sheets), flux(sheets));
+            EXPECT_EQ(std::count(sheets[0].valid.begin(), sheets[0].valid.end(), 1), 441);
+        }
+    }
+}
+
+/// Solid angle of the rectangle [x0, x1] x [z0, z1] in the plane y = 0 from `from`.
+double rectangle_solid_angle(glm::dvec2 lower, glm::dvec2 upper, glm::dvec3 from) {
+    const double h = std::abs(from.y);
+    const auto corner = [&](double x, double z) {
+        x -= from.x;
+        z -= from.z;
+        return std::atan(x * z / (h * std::sqrt(x * x + z * z + h * h)));
+    };
+    return corner(upper.x, upper.y) - corner(lower.x, upper.y) - corner(upper.x, lower.y) +
+           corner(lower.x, lower.y);
+}
+
+scene::FrameScene lamp_scene(glm::dvec2 size, int cells, glm::dvec3 position) {
+    scene::FrameScene scene = test::water_scene(size);
+    scene::Light lamp;
+    lamp.name = "lamp";
+    lamp.type = scene::LightType::point;
+    lamp.position = position;
+    scene.state.lights = {lamp};
+    test::add_water(scene, {}, cells, cells);
+    return scene;
+}
+
+TEST(WaterBeams, APointLightSendsTheSolidAngleOfTheWater) {
+    for (const glm::dvec3 position : {glm::dvec3(0, 2, 0), {1.3, 0.7, -0.4}, {30, 4, 9}, {0.5, 300, 0}}) {
+        SCOPED_TRACE(position.y);
+        const scene::FrameScene scene = lamp_scene({6, 4}, 40, position);
+        const auto through = beams<double>(scene, Event::transmission);
+        const auto mirrored = beams<double>(scene, Event::reflection);
+        const double sum = flux_and_losses(through) + flux_and_losses(mirrored);
+        // The closed form is a difference of four angles near pi / 2 and loses 1e-16 / its value.
+        const double expected = rectangle_solid_angle({-3, -2}, {3, 2}, position);
+        EXPECT_NEAR(sum / expected, 1, 1e-12 + 1e-15 / expected);
+        ASSERT_EQ(through.size(), 1u);
+        EXPECT_EQ(through[0].world_from_mesh[2], glm::dvec3(0, -1, 0));
+        for (std::size_t v = 0; v < through[0].rays.size(); ++v) {
+            const glm::dvec3 way = glm::normalize(scene.water->mesh.positions[v] - position);
+            const glm::dvec3 out = direction(through[0], v);
+            // Snell: the horizontal part of the direction shrinks by the index.
+            ASSERT_NEAR(out.x, way.x / kIndex, 1e-14);
+            ASSERT_NEAR(out.z, way.z / kIndex, 1e-14);
+        }
+    }
+}
+
+TEST(WaterBeams, ASpotIsAPointLightInsideItsConeAndNothingOutside) {
+    scene::FrameScene scene = lamp_scene({4, 4}, 64, {0, 2, 0});
+    const auto point = beams<double>(scene, Event::transmission);
+    scene.state.lights[0].type = scene::LightType::spot;
+    scene.state.lights[0].cone_angle = 0.5;
+    scene.state.lights[0].falloff_angle = 0.1;
+    const auto spot = beams<double>(scene, Event::transmission);
+    for (std::size_t t = 0; t < spot[0].flux.size(); ++t) {
+        double least = HUGE_VAL, most = 0;
+        for (int k = 0; k < 3; ++k) {
+            const glm::dvec3 p = scene.water->mesh.positions[scene.water->mesh.triangles[t][k]];
+            least = std::min(least, std::atan(std::hypot(p.x, p.z) / 2));
+            most = std::max(most, std::atan(std::hypot(p.x, p.z) / 2));
+        }
+        if (most < 0.4) {
+            ASSERT_EQ(spot[0].flux[t], point[0].flux[t]);
+        } else if (least > 0.5) {
+            ASSERT_EQ(spot[0].flux[t], 0);
+        } else {
+            ASSERT_LT(spot[0].flux[t], point[0].flux[t]);
+        }
+    }
+}
+
+TEST(WaterBeams, LightFromALowLampIsMirroredIntoSheetsToAllSides) {
+    const glm::dvec3 position(0.3, 0.1, -0.2);
+    const scene::FrameScene scene = lamp_scene({8, 8}, 80, position);
+    const auto sheets = beams<double>(scene, Event::reflection);
+    ASSERT_EQ(sheets.size(), 5u);  // up, and one to each side of the lamp
+    expect_sound(sheets);
+    EXPECT_EQ(sheets[1].name, "lamp > water:R +x");
+    for (std::size_t t = 0; t < sheets[0].flux.size(); ++t) {
+        int carriers = 0;
+        for (const auto& sheet : sheets) {
+            if (!(sheet.flux[t] > 0)) continue;
+            ++carriers;
+            for (int k = 0; k < 3; ++k) {
+                const std::size_t v = scene.water->mesh.triangles[t][k];
+                ASSERT_EQ(sheet.valid[v], 1);
+                const glm::dvec3 way = glm::normalize(scene.water->mesh.positions[v] - position);
+                ASSERT_NEAR(glm::length(direction(sheet, v) - way * glm::dvec3(1, -1, 1)), 0, 1e-13);
+                ASSERT_NEAR(glm::length(foot(scene, sheet, v) - scene.water->mesh.positions[v]), 0, 1e-13);
+            }
+        }
+        ASSERT_LE(carriers, 1);
+    }
+    EXPECT_EQ(sheets[0].losses.outside_cone, 0);
+    const double expected = rectangle_solid_angle({-4, -4}, {4, 4}, position);
+    EXPECT_NEAR((flux(sheets) + flux(beams<double>(scene, Event::transmission))) / expected, 1, 1e-12);
+}
+
+TEST(WaterBeams, ATriangleWhoseRaysFlyApartIsCountedAsLost) {
+    // A lamp 1 mm over cells of 2 m: the rays of the triangles around it leave almost level to all sides.
+    const glm::dvec3 position(0.9, 0.001, 0.9);
+    const scene::FrameScene scene = lamp_scene({4, 4}, 2, position);
+    const auto sheets = beams<double>(scene, Event::reflection);
+    EXPECT_GT(sheets[0].losses.outside_cone, 1);
+    EXPECT_NEAR((flux_and_losses(sheets) + flux_and_losses(beams<double>(scene, Event::transmission))) /
+                    rectangle_solid_angle({-2, -2}, {2, 2}, position),
+                1, 1e-12);
+}
+
+TEST(WaterBeams, ALampUnderWaterIsReflectedTotallyBeyondTheCriticalAngle) {
+    const glm::dvec3 position(0.1, -1, 0);
+    const scene::FrameScene scene = lamp_scene({8, 8}, 160, position);
+    const auto through = beams<double>(scene, Event::transmission);
+    const auto mirrored = beams<double>(scene, Event::reflection);
+    expect_sound(through);
+    EXPECT_FALSE(through[0].in_water());
+    EXPECT_TRUE(mirrored[0].in_water());
+    EXPECT_EQ(through[0].world_from_mesh[2], glm::dvec3(0, 1, 0));
+    const double critical = std::tan(std::asin(1 / kIndex));
+    for (std::size_t v = 0; v < scene.water->mesh.positions.size(); ++v) {
+        const glm::dvec3 way = scene.water->mesh.positions[v] - position;
+        const bool leaves = std::hypot(way.x, way.z) < critical;
+        bool carried = false;
+        for (const auto& sheet : through) {
+            if (!sheet.valid[v]) continue;
+            carried = true;
+            const glm::dvec3 out = direction(sheet, v), unit = glm::normalize(way);
+            ASSERT_GT(out.y, 0);
+            ASSERT_NEAR(out.x, unit.x * kIndex, 1e-12);
+            ASSERT_NEAR(out.z, unit.z * kIndex, 1e-12);
+        }
+        ASSERT_EQ(carried, leaves);
+        if (mirrored[0].valid[v]) {
+            ASSERT_LT(direction(mirrored[0], v).y, 0);
+        }
+    }
+    // Triangles across the critical circle, a cell of 5 cm wide, carry nothing and are counted.
+    EXPECT_GT(through[0].losses.total_reflection, 0);
+    EXPECT_LT(through[0].losses.total_reflection, 0.03 * flux(through));
+    EXPECT_NEAR((flux_and_losses(through) + flux_and_losses(mirrored)) /
+                    rectangle_solid_angle({-4, -4}, {4, 4}, position),
+                1, 1e-12);
+}
+
+TEST(WaterBeams, TheSunsDiscSpreadsAsFlatWaterBendsIt) {
+    for (const double zenith : {0.0, 50.0, 85.0}) {
+        SCOPED_TRACE(zenith);
+        scene::FrameScene scene = test::water_scene({1, 1});
+        scene.state.lights = {test::sun(zenith)};
+        scene::Light& sun = scene.state.lights[0];
+        sun.angular_diameter = 0.0093;
+        test::add_water(scene, {}, 2, 2);
+        const double radius = std::tan(0.5 * 0.0093);
+        const double i = glm::radians(zenith), t = std::asin(std::sin(i) / kIndex);
+        for (const Event event : {Event::transmission, Event::reflection}) {
+            const BeamSheet<double> sheet = beams<double>(scene, event)[0];
+            const bool transmission = event == Event::transmission;
+            // Snell differentiated in the plane of incidence, and turned about the vertical across it.
+            const double in_plane = transmission ? std::cos(i) / (kIndex * std::cos(t)) : 1;
+            const double across = transmission ? 1 / kIndex : 1;
+            EXPECT_NEAR(glm::length(sheet.disc_u) / radius, in_plane, 1e-13);
+            EXPECT_NEAR(glm::length(sheet.disc_v) / radius, across, 1e-13);
+            // Against the light moved by a little in that plane and across it.
+            const glm::dvec3 direction_before = sun.direction;
+            glm::dvec3 side = glm::cross(direction_before, glm::dvec3(0, 1, 0));
+            side = zenith > 0 ? glm::normalize(side) : glm::dvec3(1, 0, 0);
+            const glm::dvec3 up = glm::cross(side, direction_before);
+            const double step = 1e-4;
+            for (const bool plane : {true, false}) {
+                const auto slope = [&](double by) {
+                    sun.direction = glm::normalize(direction_before + by * (plane ? up : side));
+                    const BeamSheet<double> moved = beams<double>(scene, event)[0];
+                    const glm::dvec3 d = glm::transpose(sheet.world_from_mesh) * direction(moved, 0);
+                    return glm::dvec2(d) / d.z;
+                };
+                const glm::dvec2 change = (slope(step) - slope(-step)) * (0.5 * radius / step);
+                sun.direction = direction_before;
+                // Central differences: step^2 times third derivatives, which grow towards the horizon.
+                EXPECT_NEAR(glm::length(change - (plane ? sheet.disc_u : sheet.disc_v)), 0, 1e-6 * radius);
+            }
+        }
+    }
+}
+
+TEST(WaterBeams, PartsOfTheDiscShareItEqually) {
+    scene::FrameScene scene = test::water_scene({1, 1});
+    scene.state.lights = {test::sun(40)};
+    scene::Light& sun = scene.state.lights[0];
+    sun.angular_diameter = 0.0093;
+    sun.irradiance = {4, 2, 1};
+    test::add_water(scene, {}, 2, 2);
+    const auto whole = beams<double>(scene, Event::transmission, 1);
+    const auto parts = beams<double>(scene, Event::transmission, 16);
+    ASSERT_EQ(whole.size(), 1u);
+    ASSERT_EQ(parts.size(), 16u);
+    EXPECT_EQ(whole[0].light_direction, sun.direction);
+    glm::dvec3 color(0), mean(0);
+    double square = 0, area = 0;
+    const auto ellipse = [](const BeamSheet<double>& sheet) {
+        return std::abs(sheet.disc_u.x * sheet.disc_v.y - sheet.disc_u.y * sheet.disc_v.x);
+    };
+    for (const auto& part : parts) {
+        color += part.color;
+        mean += part.light_direction / 16.0;
+        square += glm::dot(part.light_direction - sun.direction, part.light_direction - sun.direction) / 16;
+        area += ellipse(part);
+    }
+    const double radius = 0.5 * 0.0093;
+    EXPECT_NEAR(glm::length(color - sun.irradiance), 0, 1e-14);
+    // A uniform disc has r^2 / 2 in the mean; r itself is small to first order.
+    EXPECT_NEAR(square / (radius * radius / 2), 1, 1e-4);
+    EXPECT_LT(glm::length(mean - sun.direction), 0.1 * radius);  // a spiral of 16 is so lopsided
+    EXPECT_NEAR(area / ellipse(whole[0]), 1, 1e-4);
+    // A directional sun has no parts.
+    sun.angular_diameter = 0;
+    const auto directional = beams<double>(scene, Event::transmission, 16);
+    ASSERT_EQ(directional.size(), 1u);
+    EXPECT_EQ(directional[0].disc_u, glm::dvec2(0));
+    EXPECT_EQ(directional[0].color, sun.irradiance);
+}
+
+TEST(WaterBeams, DispersionBendsBlueMoreThanRed) {
+    scene::FrameScene scene = test::water_scene({1, 1});
+    scene.state.lights = {test::sun(60)};
+    scene.state.lights[0].irradiance = {4, 2, 1};
+    scene.state.water->dispersion = 0.0055;
+    test::add_water(scene, {}, 2, 2);
+    const auto sheets = beams<double>(scene, Event::transmission);
+    ASSERT_EQ(sheets.size(), 3u);
+    for (int k = 0; k < 3; ++k) {
+        const auto& sheet = sheets[static_cast<std::size_t>(k)];
+        glm::dvec3 color(0);
+        color[k] = scene.state.lights[0].irradiance[k];
+        EXPECT_EQ(sheet.color, color);
+        const double n = kIndex + 0.0055 * (k - 1) / 2, i = glm::radians(60.0);
+        const glm::dvec3 out = direction(sheet, 4);
+        EXPECT_NEAR(std::hypot(out.x, out.z), std::sin(i) / n, 1e-14);
+        const double carried = std::accumulate(sheet.flux.begin(), sheet.flux.end(), 0.0);
+        EXPECT_NEAR(carried / (std::cos(i) * (1 - reflectance(i, n))), 1, 1e-13);
+    }
+    ASSERT_EQ(beams<double>(scene, Event::reflection).size(), 1u);
+}
+
+TEST(WaterBeams, VerticesThatAreNotFiniteTakeNoOthersWithThem) {
+    scene::FrameScene scene = test::water_scene({4, 4});
+    scene.state.lights = {test::sun(30)};
+    test::add_water(scene, test::gentle_sea(), 20, 20);
+    auto water = std::make_shared<scene::WaterMesh>(*scene.water);
+    constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+    const std::size_t no_place = 5 * 21 + 5, no_normal = 12 * 21 + 8, far_off = 15 * 21 + 15;
+    water->mesh.positions[no_place].y = nan;
+    water->mesh.normals[no_normal] = glm::dvec3(nan);
+    water->mesh.positions[far_off].x = HUGE_VAL;
+    water->mesh.triangles.emplace_back(3, 3, 3);  // degenerate
+    double met = 0, without_normal = 0;
+    std::vector<bool> whole;
+    for (const glm::uvec3 t : water->mesh.triangles) {
+        const auto& p = water->mesh.positions;
+        const double one =
+            -0.5 * glm::dot(glm::cross(p[t.y] - p[t.x], p[t.z] - p[t.x]), scene.state.lights[0].direction);
+        if (std::isfinite(one)) met += one;
+        const bool blind = t.x == no_normal || t.y == no_normal || t.z == no_normal;
+        if (blind) without_normal += one;
+        whole.push_back(std::isfinite(one) && one > 0 && !blind);
+    }
+    scene.water = water;
+    const auto through = beams<double>(scene, Event::transmission);
+    const auto mirrored = beams<double>(scene, Event::reflection);
+    expect_sound(through);
+    for (std::size_t t = 0; t < whole.size(); ++t) ASSERT_EQ(through[0].flux[t] > 0, whole[t]) << t;
+    EXPECT_EQ(through[0].valid[no_place], 0);
+    EXPECT_EQ(through[0].losses.unknown_facets, 12u);  // six about each
+    EXPECT_NEAR((through[0].losses.not_finite + mirrored[0].losses.not_finite) / without_normal, 1, 1e-12);
+    EXPECT_NEAR((flux_and_losses(through) + flux_and_losses(mirrored)) / met, 1, 1e-12);
+}
+
+TEST(WaterBeams, ASetSunAndALampInTheRestPlaneSendNothing) {
+    scene::FrameScene scene = lamp_scene({4, 4}, 4, {0, 0, 0});
+    EXPECT_TRUE(beams<float>(scene, Event::transmission).empty());
+    scene.state.lights = {test::sun(91)};
+    EXPECT_TRUE(beams<float>(scene, Event::transmission).empty());
+}
+
+TEST(WaterBeams, StatsTellBeamsAndLossesInWatts) {
+    RidgeScene ridges;
+    ridges.scene.state.lights[0].irradiance = {3, 2, 1};
+    const rays::RayScene rays(ridges.scene);
+    FrameStats stats;
+    const auto sheets = light::water_beams<float>(ridges.scene, rays, {0, Event::transmission}, 1, stats);
+    EXPECT_EQ(stats.counted("beams"),
+              std::count_if(sheets[0].flux.begin(), sheets[0].flux.end(), [](float f) { return f > 0; }));
+    EXPECT_NEAR(stats.counted("lost to wave shadow, W"), 2 * sheets[0].losses.wave_shadow, 1e-12);
+    ASSERT_EQ(stats.passes().size(), 1u);
+    EXPECT_EQ(stats.passes()[0].name, "beams");
 }
 
 }  // namespace
