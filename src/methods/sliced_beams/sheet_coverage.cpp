@@ -88,9 +88,14 @@ SheetCoverage<Real>::SheetCoverage(const scene::FrameScene& scene, const rays::R
 }
 
 template <class Real>
+Receiver<Real> SheetCoverage<Real>::rotated(const Receiver<Real>& world) const {
+    return {sheet_from_world_ * world.position, sheet_from_world_ * world.u, sheet_from_world_ * world.v,
+            sheet_from_world_ * world.normal};
+}
+
+template <class Real>
 Receiver<Real> SheetCoverage<Real>::in_sheet(const Receiver<Real>& world) const {
-    Receiver<Real> r{sheet_from_world_ * world.position, sheet_from_world_ * world.u,
-                     sheet_from_world_ * world.v, sheet_from_world_ * world.normal};
+    Receiver<Real> r = rotated(world);
     if (sheet_.disc_u == glm::dvec2(0) && sheet_.disc_v == glm::dvec2(0)) return r;
     // Seen along the axis, the disc's image is an ellipse; footprint and ellipse together are replaced by the
     // parallelogram of the same second moments (that of the footprint is (u u^T + v v^T) / 12, that of an

@@ -49,7 +49,9 @@ public:
     void add(std::span<const Receiver<Real>> receivers, std::uint32_t object,
              std::span<Vec3<Real>> irradiance, QueryCounts& counts) const;
 
-    /// The receiver in the sheet's axes, its footprint widened by the sheet's part of the sun's disc.
+    /// The receiver in the sheet's axes.
+    Receiver<Real> rotated(const Receiver<Real>& world) const;
+    /// The same, its footprint widened by the sheet's part of the sun's disc.
     Receiver<Real> in_sheet(const Receiver<Real>& world) const;
 
 private:

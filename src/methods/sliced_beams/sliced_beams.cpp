@@ -2,23 +2,80 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "base/parallel.h"
 #include "light/water_beams.h"
 #include "methods/sliced_beams/layer_tiles.h"
+#include "methods/sliced_beams/point_query.h"
 #include "methods/sliced_beams/sheet_coverage.h"
 #include "ocean/grid_size.h"
 
 namespace dapple::methods {
 
+using sliced_beams::BeamNeighbors;
 using sliced_beams::LayerTiles;
+using sliced_beams::PointQuery;
 using sliced_beams::QueryCounts;
 using sliced_beams::ReceiverGroup;
 using sliced_beams::SheetCoverage;
 
 struct SlicedBeams::State {
     std::vector<std::unique_ptr<SheetCoverage<float>>> sheets;
+    std::optional<BeamNeighbors> neighbors;
+    std::vector<std::unique_ptr<PointQuery<float>>>
+        points;  ///< beside the sheets; made where data is asked for
+
+    void find_points(const FrameContext& context, const view::ReceiverLayer& layer, LayerResult& result);
 };
+
+namespace {
+
+/// Whether paths are counted on this sheet: of a chain's sheets those of its first direction that carry
+/// green, so that a path counts once.
+bool counts_paths(const light::BeamSheet<float>& sheet, const light::BeamSheet<float>& first_of_chain) {
+    return sheet.light_direction == first_of_chain.light_direction && sheet.color.g > 0;
+}
+
+}  // namespace
+
+/// The data of the receivers' own points.
+void SlicedBeams::State::find_points(const FrameContext& context, const view::ReceiverLayer& layer,
+                                     LayerResult& result) {
+    const scene::WaterMesh& water = *context.scene.water;
+    if (!neighbors) neighbors.emplace(water.rows, water.columns, water.mesh.triangles);
+    if (points.empty())
+        for (const auto& sheet : sheets) {
+            const auto first = std::find_if(sheets.begin(), sheets.end(), [&](const auto& other) {
+                return other->sheet().light == sheet->sheet().light &&
+                       other->sheet().event == sheet->sheet().event;
+            });
+            points.push_back(counts_paths(sheet->sheet(), (*first)->sheet())
+                                 ? std::make_unique<PointQuery<float>>(*sheet, *neighbors)
+                                 : nullptr);
+        }
+    const std::size_t pixels = layer.pixels();
+    result.data = {{"paths.count", std::vector<float>(pixels)},
+                   {"paths.sign", std::vector<float>(pixels)},
+                   {"fold", std::vector<float>(pixels)}};
+    const LayerTiles tiles(layer, context.scene.state.clip);
+    parallel_for(tiles.count(), 4, [&](std::size_t begin, std::size_t end) {
+        std::vector<sliced_beams::PointSummary> summaries;
+        for (std::size_t tile = begin; tile < end; ++tile) {
+            for (const ReceiverGroup& group : tiles.groups(tile)) {
+                summaries.assign(group.pixels.size(), {});
+                for (std::size_t s = 0; s < sheets.size(); ++s)
+                    if (points[s] && sheets[s]->sheet().in_water() == group.in_water)
+                        points[s]->summarize(group.points, summaries);
+                for (std::size_t k = 0; k < group.pixels.size(); ++k) {
+                    result.data[0].values[group.pixels[k]] = static_cast<float>(summaries[k].count);
+                    result.data[1].values[group.pixels[k]] = static_cast<float>(summaries[k].sign);
+                    result.data[2].values[group.pixels[k]] = summaries[k].fold ? 1.0f : 0.0f;
+                }
+            }
+        }
+    });
+}
 
 SlicedBeams::SlicedBeams() : state_(std::make_unique<State>()) {}
 SlicedBeams::~SlicedBeams() = default;
@@ -59,6 +116,8 @@ float deepest(const rays::RayScene& rays, const light::BeamSheet<float>& sheet) 
 }  // namespace
 
 void SlicedBeams::begin(FrameContext& context) {
+    state_->points.clear();
+    state_->neighbors.reset();
     state_->sheets.clear();
     const int sun_samples = context.scene.state.caustics.sliced_beams.sun_samples;
     for (const light::Chain& chain : context.chains) {
@@ -75,8 +134,12 @@ void SlicedBeams::begin(FrameContext& context) {
 
 void SlicedBeams::irradiance(FrameContext& context, std::span<const view::ReceiverLayer> layers,
                              std::span<LayerResult> results) {
-    const ScopedPass pass(context.stats, "coverage");
     for (std::size_t i = 0; i < layers.size(); ++i) {
+        if (layers[i].sample == 0 && layers[i].branch == 0) {
+            const ScopedPass pass(context.stats, "path counts");
+            state_->find_points(context, layers[i], results[i]);
+        }
+        const ScopedPass pass(context.stats, "coverage");
         const LayerTiles tiles(layers[i], context.scene.state.clip);
         std::vector<QueryCounts> counts(tiles.count());
         parallel_for(tiles.count(), 4, [&](std::size_t begin, std::size_t end) {

@@ -1,0 +1,315 @@
+#include "methods/sliced_beams/point_query.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/parallel.h"
+
+namespace dapple::methods::sliced_beams {
+namespace {
+
+/// A landing point relative to the receiver, rounded so that products are exact in double.
+struct Landed {
+    float x = 0, y = 0;
+};
+
+/// Sign of the area of the triangle (0, p, q), exact; the point 0 counts as moved by an infinitely small step
+/// along (1, e), so that no edge contains it (Edelsbrunner & Muecke 1990). 0 where p = q.
+int side(const Landed& p, const Landed& q) {
+    const double left = static_cast<double>(p.x) * static_cast<double>(q.y);
+    const double right = static_cast<double>(q.x) * static_cast<double>(p.y);
+    if (left != right) return left > right ? 1 : -1;
+    if (p.y != q.y) return p.y > q.y ? 1 : -1;
+    if (p.x != q.x) return q.x > p.x ? 1 : -1;
+    return 0;
+}
+
+/// Sign of the orientation of a triangle whose corners are given relative to a point, without regard to it.
+int orientation(const Landed& a, const Landed& b, const Landed& c) {
+    const double area = (static_cast<double>(b.x) - static_cast<double>(a.x)) *
+                            (static_cast<double>(c.y) - static_cast<double>(a.y)) -
+                        (static_cast<double>(c.x) - static_cast<double>(a.x)) *
+                            (static_cast<double>(b.y) - static_cast<double>(a.y));
+    return area > 0 ? 1 : area < 0 ? -1 : 0;
+}
+
+/// 1 or -1 where the triangle holds the point, 0 elsewhere.
+int holds(const Landed& a, const Landed& b, const Landed& c) {
+    const int first = side(a, b);
+    return first != 0 && first == side(b, c) && first == side(c, a) ? first : 0;
+}
+
+}  // namespace
+
+template <class Real>
+PointQuery<Real>::PointQuery(const SheetCoverage<Real>& sheet, const BeamNeighbors& neighbors)
+    : sheet_(sheet), neighbors_(neighbors) {
+    if (sheet.pyramid().empty()) return;
+    constexpr std::size_t kPart = 1 << 14;
+    const std::size_t beams = sheet.triangles().size();
+    std::vector<Margin> parts(beams / kPart + 1);
+    parallel_for(beams, kPart, [&](std::size_t begin, std::size_t end) {
+        Margin largest;
+        for (std::size_t i = begin; i < end; ++i) {
+            if (!(sheet.sheet().flux[i] > 0)) continue;
+            const Margin own = second_difference(static_cast<std::uint32_t>(i));
+            largest.near = std::max(largest.near, own.near);
+            largest.far = std::max(largest.far, own.far);
+        }
+        parts[begin / kPart] = largest;
+    });
+    for (const Margin& part : parts) {
+        margin_.near = std::max(margin_.near, part.near);
+        margin_.far = std::max(margin_.far, part.far);
+    }
+    std::vector<std::uint8_t> turns(beams);
+    parallel_for(beams, kPart, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i)
+            turns[i] = may_turn_over(static_cast<std::uint32_t>(i)) ? 1 : 0;
+    });
+    may_fold_.resize(beams);
+    parallel_for(beams, kPart, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            may_fold_[i] = turns[i];
+            for (int edge = 0; edge < 3; ++edge) {
+                const Neighbor neighbor = neighbors_.across(static_cast<std::uint32_t>(i), edge);
+                if (neighbor.triangle != kNoBeam) may_fold_[i] |= turns[neighbor.triangle];
+            }
+        }
+    });
+}
+
+/// Whether the area of the beam's slices, a quadratic of depth, falls below a tenth of what it is at the
+/// surface: slices along a plane that leans differ from those across the axis by far less.
+template <class Real>
+bool PointQuery<Real>::may_turn_over(std::uint32_t beam) const {
+    const auto& sheet = sheet_.sheet();
+    if (!(sheet.flux[beam] > 0)) return false;
+    const glm::uvec3& corners = sheet_.triangles()[beam];
+    const auto &p = sheet.rays[corners[0]], &q = sheet.rays[corners[1]], &r = sheet.rays[corners[2]];
+    const Real nearest = sheet_.pyramid().nearest();
+    const auto edge = [&](const auto& to, Real& a, Real& b, Real& slope_a, Real& slope_b) {
+        slope_a = to.slope_a - p.slope_a;
+        slope_b = to.slope_b - p.slope_b;
+        a = to.a - p.a + nearest * slope_a;
+        b = to.b - p.b + nearest * slope_b;
+    };
+    Real qa, qb, qsa, qsb, ra, rb, rsa, rsb;
+    edge(q, qa, qb, qsa, qsb);
+    edge(r, ra, rb, rsa, rsb);
+    const Real c0 = qa * rb - ra * qb;
+    const Real c1 = qa * rsb + qsa * rb - ra * qsb - rsa * qb;
+    const Real c2 = qsa * rsb - rsa * qsb;
+    const Real depth = Real(1.1) * (sheet_.pyramid().farthest() - nearest);
+    const auto ratio = [&](Real d) { return (c0 + d * (c1 + d * c2)) / c0; };
+    const Real turn = -c1 / (2 * c2);
+    Real least = ratio(depth);
+    if (turn > 0 && turn < depth) least = std::min(least, ratio(turn));
+    return !(least > Real(0.1));
+}
+
+template <class Real>
+typename PointQuery<Real>::Margin PointQuery<Real>::second_difference(std::uint32_t beam) const {
+    const auto& rays = sheet_.sheet().rays;
+    const glm::uvec3& corners = sheet_.triangles()[beam];
+    Margin largest;
+    for (int edge = 0; edge < 3; ++edge) {
+        const Neighbor neighbor = neighbors_.across(beam, edge);
+        if (neighbor.triangle == kNoBeam || !(sheet_.sheet().flux[neighbor.triangle] > 0)) continue;
+        const auto &a = rays[corners[edge]], &b = rays[corners[(edge + 1) % 3]],
+                   &c = rays[corners[(edge + 2) % 3]], &d = rays[neighbor.vertex];
+        const auto size = [&](Real depth) {
+            const Real x = (c.a + d.a - a.a - b.a) + depth * (c.slope_a + d.slope_a - a.slope_a - b.slope_a);
+            const Real y = (c.b + d.b - a.b - b.b) + depth * (c.slope_b + d.slope_b - a.slope_b - b.slope_b);
+            return std::sqrt(x * x + y * y);
+        };
+        largest.near = std::max(largest.near, size(sheet_.pyramid().nearest()));
+        largest.far = std::max(largest.far, size(sheet_.pyramid().farthest()));
+    }
+    return largest;
+}
+
+/// The largest second difference that any beam has at a point's depth (a norm of something linear in depth is
+/// convex), on a plane that leans: as much longer as it is longer seen along the axis.
+template <class Real>
+Real PointQuery<Real>::margin(const Receiver<Real>& local) const {
+    const BeamPyramid<Real>& pyramid = sheet_.pyramid();
+    const Real range = pyramid.farthest() - pyramid.nearest();
+    const Real t =
+        range > 0 ? std::clamp((local.position.z - pyramid.nearest()) / range, Real(0), Real(1)) : Real(0);
+    const Real level = margin_.near + t * (margin_.far - margin_.near);
+    return Real(1.1) * level / std::max(Real(0.1), std::abs(local.normal.z));
+}
+
+/// Nodes that can matter to any of the points: not much larger than the region of all of them.
+template <class Real>
+std::vector<typename PointQuery<Real>::NodeId> PointQuery<Real>::find_nodes(
+    std::span<const Receiver<Real>> locals) const {
+    const BeamPyramid<Real>& pyramid = sheet_.pyramid();
+    constexpr Real infinity = std::numeric_limits<Real>::infinity();
+    Box<Real> bounds{infinity, -infinity, infinity, -infinity};
+    Real low = infinity, high = -infinity;
+    for (const Receiver<Real>& r : locals) {
+        const Real m = margin(r);
+        bounds.low_a = std::min(bounds.low_a, r.position.x - m);
+        bounds.high_a = std::max(bounds.high_a, r.position.x + m);
+        bounds.low_b = std::min(bounds.low_b, r.position.y - m);
+        bounds.high_b = std::max(bounds.high_b, r.position.y + m);
+        low = std::min(low, r.position.z - m);
+        high = std::max(high, r.position.z + m);
+    }
+    std::vector<NodeId> nodes;
+    if (pyramid.empty() || high < pyramid.nearest()) return nodes;
+    std::vector<NodeId> open{pyramid.root()};
+    const Real small_a = (bounds.high_a - bounds.low_a) / 4, small_b = (bounds.high_b - bounds.low_b) / 4;
+    while (!open.empty()) {
+        const NodeId node = open.back();
+        open.pop_back();
+        if (pyramid.dark(node)) continue;
+        const Box<Real> box = pyramid.box(node, low, high);
+        if (!overlap(box, bounds)) continue;
+        if (node.level == 0 || (box.high_a - box.low_a < small_a && box.high_b - box.low_b < small_b))
+            nodes.push_back(node);
+        else
+            pyramid.visit_children(node, [&](NodeId child) { open.push_back(child); });
+    }
+    return nodes;
+}
+
+template <class Real>
+template <class Visit>
+void PointQuery<Real>::visit_hits(const Receiver<Real>& local, std::span<const NodeId> nodes, bool& fold,
+                                  Visit&& visit) const {
+    const BeamPyramid<Real>& pyramid = sheet_.pyramid();
+    const LandingFrame<Real> frame(local);
+    const Real m = margin(local);
+    const Box<Real> own{local.position.x - m, local.position.x + m, local.position.y - m,
+                        local.position.y + m};
+    // Which way round a beam lands that has not turned over: the tangent plane's coordinates against its
+    // normal, and whether light comes down through the water's facets, which are counter-clockwise seen from
+    // the air.
+    const bool turned = glm::dot(glm::cross(local.u, local.v), local.normal) < 0;
+    const int upright = turned != sheet_.sheet().in_water() ? 1 : -1;
+    std::vector<NodeId> open(nodes.rbegin(), nodes.rend());
+    while (!open.empty()) {
+        const NodeId node = open.back();
+        open.pop_back();
+        if (pyramid.dark(node)) continue;
+        if (!overlap(pyramid.box(node, local.position.z - m, local.position.z + m), own)) continue;
+        if (node.level > 0) {
+            pyramid.visit_children(node, [&](NodeId child) { open.push_back(child); });
+            continue;
+        }
+        ClusterRays<Real> rays;
+        load(sheet_.sheet(), sheet_.triangles(), pyramid.beams(node), rays);
+        for (int c = 0; c < kChunks<Real>; ++c) {
+            LandedChunk<Real> landed;
+            land(rays, c, frame, landed);
+            unsigned lanes = bits(landed.lands);
+            for (; lanes != 0; lanes &= lanes - 1) {
+                const int lane = __builtin_ctz(lanes);
+                Landed corner[3];
+                for (int k = 0; k < 3; ++k)
+                    corner[k] = {static_cast<float>(landed.beams.x[k][lane]),
+                                 static_cast<float>(landed.beams.y[k][lane])};
+                const std::uint32_t beam = rays.beam[static_cast<std::size_t>(c * kLanes<Real> + lane)];
+                const bool own_fold = may_fold_[beam] != 0 && near_fold(local, frame, beam);
+                fold |= own_fold;
+                const int held = holds(corner[0], corner[1], corner[2]);
+                if (held == 0) continue;
+                PointHit<Real> hit{beam, held * upright, {0, 0, 0}, own_fold};
+                Real past = 0, all = 0;
+                for (int k = 0; k < 3; ++k) {
+                    const Landed &p = corner[(k + 1) % 3], &q = corner[(k + 2) % 3];
+                    hit.weights[k] =
+                        static_cast<Real>(std::abs(static_cast<double>(p.x) * static_cast<double>(q.y) -
+                                                   static_cast<double>(q.x) * static_cast<double>(p.y)));
+                    all += hit.weights[k];
+                }
+                for (int k = 0; k < 3; ++k) {
+                    hit.weights[k] = all > 0 ? hit.weights[k] / all : Real(1) / 3;
+                    past += hit.weights[k] * landed.past_start[k][lane];
+                }
+                if (past >= 0) visit(hit);
+            }
+        }
+    }
+}
+
+template <class Real>
+bool PointQuery<Real>::near_fold(const Receiver<Real>& local, const LandingFrame<Real>& frame,
+                                 std::uint32_t beam) const {
+    const auto& sheet = sheet_.sheet();
+    // The landing point of a vertex as in `land`, which gives the same bits for all beams.
+    struct Place {
+        Landed at;
+        bool lands;
+    };
+    const auto place = [&](std::uint32_t vertex) {
+        const auto& ray = sheet.rays[vertex];
+        const Real a = ray.a + frame.position.z * ray.slope_a - frame.position.x;
+        const Real b = ray.b + frame.position.z * ray.slope_b - frame.position.y;
+        const Real facing = frame.normal.x * ray.slope_a + frame.normal.y * ray.slope_b + frame.normal.z;
+        const Real further = (frame.normal.x * a + frame.normal.y * b) / -facing;
+        const auto along = [&](const Vec3<Real>& axis) {
+            return static_cast<float>(axis.x * a + axis.y * b +
+                                      further * (axis.x * ray.slope_a + axis.y * ray.slope_b + axis.z));
+        };
+        return Place{{along(frame.along_x), along(frame.along_y)}, facing < Real(-1e-4)};
+    };
+    const glm::uvec3& corners = sheet_.triangles()[beam];
+    const Place own[3] = {place(corners[0]), place(corners[1]), place(corners[2])};
+    const int own_sign = orientation(own[0].at, own[1].at, own[2].at);
+    for (int edge = 0; edge < 3; ++edge) {
+        const Neighbor neighbor = neighbors_.across(beam, edge);
+        if (neighbor.triangle == kNoBeam || !(sheet.flux[neighbor.triangle] > 0)) continue;
+        const Place &a = own[edge], &b = own[(edge + 1) % 3], &c = own[(edge + 2) % 3],
+                    d = place(neighbor.vertex);
+        if (!d.lands) continue;
+        // Seen over the edge the neighbour's corners run the other way.
+        if (orientation(b.at, a.at, d.at) == own_sign) continue;
+        const auto metres = [&](double x, double y) {
+            return x * glm::dvec3(local.u) + y * glm::dvec3(local.v);
+        };
+        const glm::dvec3 from = metres(a.at.x, a.at.y), to = metres(b.at.x, b.at.y);
+        const glm::dvec3 bend = metres(c.at.x, c.at.y) + metres(d.at.x, d.at.y) - from - to;
+        const glm::dvec3 way = to - from;
+        const double length = glm::dot(way, way);
+        const double t = length > 0 ? std::clamp(-glm::dot(from, way) / length, 0.0, 1.0) : 0;
+        const glm::dvec3 nearest = from + t * way;
+        if (glm::dot(nearest, nearest) < glm::dot(bend, bend)) return true;
+    }
+    return false;
+}
+
+template <class Real>
+void PointQuery<Real>::summarize(std::span<const Receiver<Real>> points,
+                                 std::span<PointSummary> summaries) const {
+    std::vector<Receiver<Real>> locals;
+    locals.reserve(points.size());
+    for (const Receiver<Real>& point : points) locals.push_back(sheet_.rotated(point));
+    const std::vector<NodeId> nodes = find_nodes(locals);
+    if (nodes.empty()) return;
+    for (std::size_t i = 0; i < locals.size(); ++i) {
+        PointSummary& summary = summaries[i];
+        visit_hits(locals[i], nodes, summary.fold, [&](const PointHit<Real>& hit) {
+            ++summary.count;
+            summary.sign += hit.sign;
+        });
+    }
+}
+
+template <class Real>
+std::vector<PointHit<Real>> PointQuery<Real>::hits(const Receiver<Real>& point, bool& fold) const {
+    std::vector<PointHit<Real>> found;
+    const Receiver<Real> local = sheet_.rotated(point);
+    const std::vector<NodeId> nodes = find_nodes({&local, 1});
+    visit_hits(local, nodes, fold, [&](const PointHit<Real>& hit) { found.push_back(hit); });
+    return found;
+}
+
+template class PointQuery<float>;
+template class PointQuery<double>;
+
+}  // namespace dapple::methods::sliced_beams

@@ -1,0 +1,67 @@
+#pragma once
+#include <span>
+#include <vector>
+
+#include "methods/sliced_beams/beam_neighbors.h"
+#include "methods/sliced_beams/sheet_coverage.h"
+
+namespace dapple::methods::sliced_beams {
+
+/// A beam that covers a point.
+template <class Real>
+struct PointHit {
+    std::uint32_t beam;
+    int sign;         ///< of det J: -1 where the beam has turned over
+    Real weights[3];  ///< barycentric coordinates of the point among the landed corners
+    bool near_fold;   ///< the flag of this beam's own edges
+};
+
+/// What is told of a point as a pixel's data.
+struct PointSummary {
+    int count = 0;
+    int sign = 0;       ///< sum of signs: +1 below an endless smooth sheet without occluders
+    bool fold = false;  ///< the number of paths is not sure: a finer mesh may find two more or less
+};
+
+/// The light paths of one sheet to points, by exact predicates: a vertex has one landing point (rounded to
+/// float, relative to the point), which all its beams share, so that the signs of their areas fit together
+/// without gaps or overlaps.
+///
+/// A point is near a fold where it is nearer to a landed edge between beams of opposite sign than the second
+/// difference of the landed corners across that edge, |c + d - a - b| (a, b the edge's ends).
+template <class Real>
+class PointQuery {
+public:
+    PointQuery(const SheetCoverage<Real>& sheet, const BeamNeighbors& neighbors);
+
+    /// For points near each other, in world axes; u and v need only span the tangent plane. Thread-safe.
+    void summarize(std::span<const Receiver<Real>> points, std::span<PointSummary> summaries) const;
+    /// In a fixed order. `fold`: the point's flag, also by beams that do not cover it.
+    std::vector<PointHit<Real>> hits(const Receiver<Real>& point, bool& fold) const;
+
+private:
+    using NodeId = typename BeamPyramid<Real>::NodeId;
+    struct Margin {
+        Real near = 0, far = 0;  ///< m, largest second difference at the pyramid's two depths
+    };
+    Margin second_difference(std::uint32_t beam) const;
+    bool may_turn_over(std::uint32_t beam) const;
+    Real margin(const Receiver<Real>& local) const;
+    std::vector<NodeId> find_nodes(std::span<const Receiver<Real>> locals) const;
+    template <class Visit>
+    void visit_hits(const Receiver<Real>& local, std::span<const NodeId> nodes, bool& fold,
+                    Visit&& visit) const;
+    bool near_fold(const Receiver<Real>& local, const LandingFrame<Real>& frame, std::uint32_t beam) const;
+
+    const SheetCoverage<Real>& sheet_;
+    const BeamNeighbors& neighbors_;
+    Margin margin_;
+    /// 1 where the beam or one beside it comes near to turning over between the pyramid's depths: only such
+    /// edges are looked at.
+    std::vector<std::uint8_t> may_fold_;
+};
+
+extern template class PointQuery<float>;
+extern template class PointQuery<double>;
+
+}  // namespace dapple::methods::sliced_beams
