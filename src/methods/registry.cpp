@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "methods/photon_splatting/photon_splatting.h"
+#include "methods/reference/reference.h"
 #include "methods/sliced_beams/sliced_beams.h"
 
 namespace dapple::methods {
@@ -9,8 +10,9 @@ namespace dapple::methods {
 std::unique_ptr<CausticMethod> make_method(const std::string& name) {
     if (name == "photon_splatting") return std::make_unique<PhotonSplatting>();
     if (name == "sliced_beams") return std::make_unique<SlicedBeams>();
-    throw Error(ExitCode::timeline_invalid,
-                "caustics.method: there is no method '" + name + "'; there are sliced_beams, photon_splatting");
+    if (name == "reference") return std::make_unique<Reference>();
+    throw Error(ExitCode::timeline_invalid, "caustics.method: there is no method '" + name +
+                                                "'; there are sliced_beams, photon_splatting, reference");
 }
 
 }  // namespace dapple::methods

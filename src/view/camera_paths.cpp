@@ -441,6 +441,7 @@ void LayerTracer::end_at_receiver(const Path& path, const rays::Hit& hit, const 
     };
     layer_.flags[pixel] = flags;
     layer_.object[pixel] = hit.object;
+    layer_.primitive[pixel] = hit.primitive;
     layer_.position[pixel] = glm::vec3(end.origin);
     layer_.footprint_u[pixel] = glm::vec3(end.origin_du);
     layer_.footprint_v[pixel] = glm::vec3(end.origin_dv);
@@ -461,6 +462,7 @@ ReceiverLayer empty_layer(const scene::Clip& clip, LayerRequest request) {
     const std::size_t pixels = layer.pixels();
     layer.flags.assign(pixels, 0);
     layer.object.assign(pixels, 0);
+    layer.primitive.assign(pixels, 0);
     for (auto* positions : {&layer.position, &layer.footprint_u, &layer.footprint_v, &layer.throughput}) {
         positions->assign(pixels, glm::vec3(0));
     }

@@ -22,8 +22,9 @@ struct ReceiverLayer {
     int height = 0;
     int sample = 0;
     int branch = 0;
-    std::vector<std::uint32_t> flags;   ///< ReceiverFlags
-    std::vector<std::uint32_t> object;  ///< index into FrameState::objects
+    std::vector<std::uint32_t> flags;      ///< ReceiverFlags
+    std::vector<std::uint32_t> object;     ///< index into FrameState::objects
+    std::vector<std::uint32_t> primitive;  ///< as rays::Hit
     std::vector<glm::vec3> position;
     std::vector<glm::vec3>
         footprint_u;  ///< d(position)/d(pixel x) on the tangent plane, through the whole chain

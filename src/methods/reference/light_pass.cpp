@@ -1,0 +1,70 @@
+#include "methods/reference/light_pass.h"
+
+#include <algorithm>
+#include <array>
+
+#include "base/parallel.h"
+
+namespace dapple::reference {
+namespace {
+
+constexpr std::size_t kTile = 2048;       ///< strata
+constexpr std::size_t kTilesAtOnce = 64;  ///< whose deposits are kept until they are added
+/// Ranges of pixels, to which the threads add side by side.
+constexpr std::size_t kRanges = 16;
+
+struct Deposit {
+    std::uint32_t pixel;
+    glm::dvec3 irradiance;
+};
+
+/// Of one tile and layer.
+using Deposits = std::array<std::vector<Deposit>, kRanges>;
+
+void deposit(const LayerCells& layer, const Arrival& arrival, Deposits& deposits) {
+    const DepositCells::Cell cell = layer.cells.find(arrival.place.key);
+    if (cell.pixels.empty()) return;
+    const glm::dvec3 in_cell = (cell.per_measure / arrival.place.density) * arrival.power;
+    for (const std::uint32_t pixel : cell.pixels) {
+        const std::size_t range = pixel * kRanges / layer.paths.size();
+        deposits[range].push_back({pixel, in_cell / static_cast<double>(layer.paths[pixel])});
+    }
+}
+
+}  // namespace
+
+bool run_pass(const LightTracer& tracer, const LightPass& pass, std::span<const LayerCells* const> layers,
+              const std::function<bool()>& stop, std::vector<std::vector<glm::dvec3>>& irradiance) {
+    irradiance.resize(layers.size());
+    for (std::size_t l = 0; l < layers.size(); ++l)
+        irradiance[l].assign(layers[l]->paths.size(), glm::dvec3(0));
+    const std::size_t strata = tracer.strata(pass);
+    std::vector<Deposits> tiles(kTilesAtOnce * layers.size());
+    for (std::size_t light = 0; light < tracer.lights(); ++light) {
+        for (std::size_t first = 0; first < strata; first += kTile * kTilesAtOnce) {
+            if (stop()) return false;
+            const std::size_t count = std::min(strata - first, kTile * kTilesAtOnce);
+            parallel_for(count, kTile, [&](std::size_t begin, std::size_t end) {
+                std::vector<Arrival> arrivals;
+                tracer.trace(pass, light, first + begin, first + end, arrivals);
+                for (std::size_t l = 0; l < layers.size(); ++l) {
+                    Deposits& deposits = tiles[begin / kTile * layers.size() + l];
+                    for (const Arrival& arrival : arrivals) deposit(*layers[l], arrival, deposits);
+                }
+            });
+            parallel_for(kRanges * layers.size(), 1, [&](std::size_t begin, std::size_t end) {
+                for (std::size_t i = begin; i < end; ++i) {
+                    const std::size_t l = i / kRanges;
+                    for (std::size_t tile = 0; tile < kTilesAtOnce; ++tile) {
+                        std::vector<Deposit>& deposits = tiles[tile * layers.size() + l][i % kRanges];
+                        for (const Deposit& one : deposits) irradiance[l][one.pixel] += one.irradiance;
+                        deposits.clear();
+                    }
+                }
+            });
+        }
+    }
+    return true;
+}
+
+}  // namespace dapple::reference

@@ -1,0 +1,22 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <utility>
+
+#include "methods/reference/layer_estimate.h"
+
+namespace dapple::reference {
+
+/// Estimates by (sample, branch) of their layer.
+using Progress = std::map<std::pair<int, int>, RoundEstimate>;
+
+/// Reads what `write_progress` wrote for the same `job`; nothing where there is no such file, or it is
+/// damaged, of another version or of another job: work is then done again.
+Progress read_progress(const std::string& path, const std::string& job);
+
+/// Replaces the file as a whole (base/checked_file.h); Error(output_unwritable).
+void write_progress(const std::string& path, const std::string& job, const Progress& progress);
+
+}  // namespace dapple::reference

@@ -1,0 +1,52 @@
+#pragma once
+#include <cstdint>
+#include <memory>
+
+#include "methods/caustic_method.h"
+#include "methods/reference/light_tracer.h"
+
+namespace dapple::methods {
+
+/// Brute force, to judge the other methods by: slow, noisy, and without their ideas. Light is traced in
+/// double from a stratified, jittered grid over the water, on the analytic surface where there is one, by
+/// Snell's law and Fresnel's equations of its own, through any chain of water and mirrors, to cells on the
+/// receivers; a pixel's E is the mean over the cells that its own 16 x 16 camera paths end in. It shares
+/// nothing with light/, optics/ and other methods; camera paths come from view/.
+///
+/// Light is traced in rounds of equal passes, whose means a pixel are independent estimates: they give E and
+/// its standard error, which "E.variance.R/G/B" (data layers of sample 0, branch 0) hold squared. Rounds grow
+/// until the mean standard error over the mean E is at most ReferenceParameters::standard_error; where
+/// most_rays does not suffice the last round that fits is the answer. A cell of the receivers that straddles
+/// a pixel's edge blurs by a sixteenth of a pixel at most; on planes aligned with the pixels there is none.
+///
+/// With a checkpoint's file, what is done is kept there every 20 s and when the user wants to end, and read
+/// again by the same job, whose results then have the same bits as those of an undisturbed one. The file
+/// holds all layers of a frame and is left to the caller to remove once the frame is complete.
+///
+/// Limits: light that leaves the water's rectangle below open water does not meet the rest plane outside it;
+/// branches of later crossings of less than 1e-4 of the light, and chains of more than eight events, end.
+/// Light of a sun's disc that would come from below the horizon is left out.
+class Reference final : public CausticMethod {
+public:
+    explicit Reference(reference::ReferenceOptions options = {});
+    ~Reference() override;
+    Support supports_surface(const scene::FrameState& state) const override;
+    bool serves_behind_specular() const override { return true; }
+    std::size_t bytes(const scene::FrameState& state, std::size_t pixels) const override;
+    void begin(FrameContext& context) override;
+    /// Error(interrupted) when the checkpoint says so.
+    void irradiance(FrameContext& context, std::span<const view::ReceiverLayer> layers,
+                    std::span<LayerResult> results) override;
+
+    /// Passes of a round.
+    static constexpr std::uint64_t kPasses = 16;
+    /// Strata a pass and light of the first round: a million rays in all.
+    static constexpr std::uint64_t kFirstStrata = 65536;
+
+private:
+    struct State;
+    reference::ReferenceOptions options_;
+    std::unique_ptr<State> state_;
+};
+
+}  // namespace dapple::methods
