@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "base/parallel.h"
+#include "light/steepness_map.h"
 #include "optics/optics.h"
 
 namespace dapple::light {
@@ -97,11 +98,6 @@ glm::dvec3 facing(glm::dvec3 normal, glm::dvec3 direction) {
     const double square = glm::dot(normal, normal);
     if (square > 1e-24) return normal * (1 / std::sqrt(square));
     return mesh_frame(direction)[0];
-}
-
-double slope_squared(glm::dvec3 area) {
-    if (!(area.y > 0)) return area == glm::dvec3(0) ? 0 : kInfinity;
-    return (area.x * area.x + area.z * area.z) / (area.y * area.y);
 }
 
 glm::dvec3 twice_area(const scene::TriangleMesh& mesh, glm::uvec3 t) {

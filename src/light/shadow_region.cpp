@@ -14,6 +14,10 @@ constexpr int kSide = 512;  // cells along either axis of the projection
 constexpr std::size_t kTile = 1 << 13;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
+std::size_t index_of(int column, int row) {
+    return static_cast<std::size_t>(row) * kSide + static_cast<std::size_t>(column);
+}
+
 struct Box {
     glm::dvec2 lower{kInfinity, kInfinity};
     glm::dvec2 upper{-kInfinity, -kInfinity};
@@ -41,7 +45,7 @@ void ShadowRegion::mark(glm::dvec2 lower, glm::dvec2 upper) {
     for (int row = first.y; row <= last.y; ++row)
         for (int column = first.x; column <= last.x; ++column) {
             // Threads may mark one cell at once; the marks are the same in any order.
-            std::uint8_t& mark = marks_[static_cast<std::size_t>(row * kSide + column)];
+            std::uint8_t& mark = marks_[index_of(column, row)];
             std::atomic_ref<std::uint8_t>(mark).store(1, std::memory_order_relaxed);
         }
 }
@@ -89,7 +93,7 @@ bool ShadowRegion::holds(glm::dvec3 point) const {
     if (std::isnan(at.x)) return true;
     if (glm::any(glm::lessThan(at, lower_)) || glm::any(glm::greaterThan(at, upper_))) return false;
     const glm::ivec2 c = cell(at);
-    return marks_[static_cast<std::size_t>(c.y * kSide + c.x)] != 0;
+    return marks_[index_of(c.x, c.y)] != 0;
 }
 
 }  // namespace dapple::light

@@ -101,9 +101,11 @@ public:
             beams_ += survey.beams;
             wanted |= survey.axes;
             if (sheets.size() == first + 1) sheet.losses = survey.losses;
-            if (events_.flattest_squared <= survey.steepest_squared)
+            if (events_.flattest_squared <= survey.steepest_squared) {
+                if (!steepness_) steepness_.emplace(scene_.water->mesh);
                 sheet.losses.second_crossing =
-                    second_crossing(scene_, rays_, light, sheet, survey.steepest_squared, crossings);
+                    second_crossing(scene_, rays_, light, sheet, *steepness_, crossings);
+            }
         }
     }
 
@@ -121,6 +123,7 @@ private:
     Chain chain_;
     ChainSetup setup_;
     VertexEvents events_;
+    std::optional<SteepnessMap> steepness_;  // once some ray is flatter than some triangle
     std::size_t beams_ = 0;
 };
 

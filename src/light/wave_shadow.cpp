@@ -121,7 +121,7 @@ std::vector<float> visible_shares(const scene::FrameScene& scene, const rays::Ra
 
 template <class Real>
 double second_crossing(const scene::FrameScene& scene, const rays::RayScene& rays, const WaterLight& light,
-                       const BeamSheet<Real>& sheet, double steepest_squared,
+                       const BeamSheet<Real>& sheet, const SteepnessMap& steepness,
                        std::vector<std::uint8_t>& crossings) {
     const scene::TriangleMesh& mesh = scene.water->mesh;
     const double offset = surface_offset(scene);
@@ -135,7 +135,7 @@ double second_crossing(const scene::FrameScene& scene, const rays::RayScene& ray
             crossings[v] = kLeaves;
             const glm::dvec3 way =
                 sheet.world_from_mesh * glm::dvec3(sheet.rays[v].slope_a, sheet.rays[v].slope_b, 1);
-            if (way.y * way.y > steepest_squared * (way.x * way.x + way.z * way.z)) continue;
+            if (!steepness.may_meet(mesh.positions[v], way, sheet.in_water())) continue;
             rays::Ray ray;
             ray.origin = glm::vec3(mesh.positions[v] + offset * side * mesh.normals[v] - scene.origin);
             ray.direction = glm::vec3(way);
@@ -162,8 +162,8 @@ double second_crossing(const scene::FrameScene& scene, const rays::RayScene& ray
 }
 
 template double second_crossing(const scene::FrameScene&, const rays::RayScene&, const WaterLight&,
-                                const BeamSheet<float>&, double, std::vector<std::uint8_t>&);
+                                const BeamSheet<float>&, const SteepnessMap&, std::vector<std::uint8_t>&);
 template double second_crossing(const scene::FrameScene&, const rays::RayScene&, const WaterLight&,
-                                const BeamSheet<double>&, double, std::vector<std::uint8_t>&);
+                                const BeamSheet<double>&, const SteepnessMap&, std::vector<std::uint8_t>&);
 
 }  // namespace dapple::light

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "light/beam_flux.h"
+#include "light/steepness_map.h"
 #include "rays/ray_scene.h"
 
 namespace dapple::light {
@@ -16,12 +17,11 @@ std::vector<float> visible_shares(const scene::FrameScene& scene, const rays::Ra
                                   const WaterLight& light);
 
 /// Flux of the sheet's beams that meets the water again, by how many of a triangle's three rays do.
-/// `steepest_squared`: of FluxSurvey; rays that rise or fall faster than any triangle are not traced.
-/// `crossings`: what is known of the rays, a vertex, shared by the sheets of one direction and channel; empty
-/// before the first.
+/// Only rays that may, by `steepness`, are traced. `crossings`: what is known of the rays, a vertex, shared
+/// by the sheets of one direction and channel; empty before the first.
 template <class Real>
 double second_crossing(const scene::FrameScene& scene, const rays::RayScene& rays, const WaterLight& light,
-                       const BeamSheet<Real>& sheet, double steepest_squared,
+                       const BeamSheet<Real>& sheet, const SteepnessMap& steepness,
                        std::vector<std::uint8_t>& crossings);
 
 }  // namespace dapple::light

@@ -4,78 +4,25 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <numeric>
 
-#include "light/water_grids.h"
+#include "light/beam_checks.h"
 
 namespace dapple {
 namespace {
 
-using light::BeamSheet;
-using light::Chain;
-using light::Event;
-
-constexpr double kIndex = 1.333;
-
-template <class Real>
-std::vector<BeamSheet<Real>> beams(const scene::FrameScene& scene, Event event, int sun_samples = 1) {
-    const rays::RayScene rays(scene);
-    FrameStats stats;
-    return light::water_beams<Real>(scene, rays, Chain{0, event}, sun_samples, stats);
-}
-
-template <class Real>
-double flux(const std::vector<BeamSheet<Real>>& sheets) {
-    double sum = 0;
-    for (const auto& sheet : sheets) sum = std::accumulate(sheet.flux.begin(), sheet.flux.end(), sum);
-    return sum;
-}
-
-/// What the chain's beams carry and what it lost, with the second crossings that its beams still carry left
-/// out.
-template <class Real>
-double flux_and_losses(const std::vector<BeamSheet<Real>>& sheets) {
-    double sum = flux(sheets);
-    for (const auto& sheet : sheets)
-        sum += sheet.losses.wave_shadow + sheet.losses.total_reflection + sheet.losses.outside_cone +
-               sheet.losses.not_finite;
-    return sum;
-}
-
-/// Reflectance by angles, written apart from the program's vector forms.
-double reflectance(double zenith, double n) {
-    if (zenith == 0) return std::pow((n - 1) / (n + 1), 2);
-    const double t = std::asin(std::sin(zenith) / n);
-    const double s = std::sin(zenith - t) / std::sin(zenith + t),
-                 p = std::tan(zenith - t) / std::tan(zenith + t);
-    return 0.5 * (s * s + p * p);
-}
-
-template <class Real>
-glm::dvec3 direction(const BeamSheet<Real>& sheet, std::size_t v) {
-    return glm::normalize(sheet.world_from_mesh *
-                          glm::dvec3(sheet.rays[v].slope_a, sheet.rays[v].slope_b, 1));
-}
-
-/// World position where ray v leaves the water.
-template <class Real>
-glm::dvec3 foot(const scene::FrameScene& scene, const BeamSheet<Real>& sheet, std::size_t v) {
-    const glm::dvec4 r(sheet.rays[v].a, sheet.rays[v].b, sheet.rays[v].slope_a, sheet.rays[v].slope_b);
-    const double depth = static_cast<double>(sheet.start[v]);
-    return scene.origin + sheet.world_from_mesh * glm::dvec3(r.x + depth * r.z, r.y + depth * r.w, depth);
-}
+using namespace test;
 
 template <class Real>
 void expect_flat_water(double tolerance) {
     for (const double zenith : {0.0, 30.0, 60.0, 80.0, 89.0}) {
         SCOPED_TRACE(zenith);
-        scene::FrameScene scene = test::water_scene({7, 3}, {1.3, -2.1});
+        scene::FrameScene scene = water_scene({7, 3}, {1.3, -2.1});
         scene.origin = {2, -3, 5};
-        scene.state.lights = {test::sun(zenith)};
+        scene.state.lights = {sun(zenith)};
         scene.state.lights[0].irradiance = {3, 2, 1};
-        test::add_water(scene, {}, 40, 20);
+        add_water(scene, {}, 40, 20);
         const double i = glm::radians(zenith), t = std::asin(std::sin(i) / kIndex),
                      r = reflectance(i, kIndex);
         const glm::dvec2 heading(-std::cos(glm::radians(20.0)), -std::sin(glm::radians(20.0)));
@@ -116,194 +63,20 @@ TEST(WaterBeams, FlatWaterFollowsSnellAndFresnelInFloat) {
     expect_flat_water<float>(2e-7);
 }
 
-/// Light that the triangles meet which face it: m^2 for a sun.
-double met_by_sun(const scene::FrameScene& scene) {
-    double met = 0;
-    for (const glm::uvec3 t : scene.water->mesh.triangles) {
-        const auto& p = scene.water->mesh.positions;
-        const double one =
-            -0.5 * glm::dot(glm::cross(p[t.y] - p[t.x], p[t.z] - p[t.x]), scene.state.lights[0].direction);
-        if (one > 0) met += one;
-    }
-    return met;
-}
-
-template <class Real>
-void expect_sound(const std::vector<BeamSheet<Real>>& sheets) {
-    for (const auto& sheet : sheets) {
-        for (std::size_t v = 0; v < sheet.rays.size(); ++v) {
-            const auto& ray = sheet.rays[v];
-            ASSERT_TRUE(std::isfinite(ray.a) && std::isfinite(ray.b) && std::isfinite(ray.slope_a) &&
-                        std::isfinite(ray.slope_b) && std::isfinite(sheet.start[v]));
-            // dot(direction, axis) > 0.1 is a slope below sqrt(99); a float's rounding of it.
-            ASSERT_LT(std::hypot(ray.slope_a, ray.slope_b), std::sqrt(99.0) * (1 + 1e-6));
-        }
-        for (const Real f : sheet.flux) ASSERT_TRUE(f >= 0 && std::isfinite(f));
-    }
-}
-
 TEST(WaterBeams, TransmittedAndReflectedFluxSumToWhatMeetsAWavySea) {
-    scene::FrameScene scene = test::water_scene({6, 6});
-    scene.state.lights = {test::sun(40)};
-    test::add_water(scene, test::gentle_sea(), 100, 100);
+    scene::FrameScene scene = water_scene({6, 6});
+    scene.state.lights = {sun(40)};
+    add_water(scene, gentle_sea(), 100, 100);
     const double sum =
         flux(beams<double>(scene, Event::transmission)) + flux(beams<double>(scene, Event::reflection));
     EXPECT_NEAR(sum / met_by_sun(scene), 1, 1e-12);  // 2e4 triangles, round-off of the sum
 }
 
-/// Curves on the sheets of water, extruded along z: x and h of a parameter in [0, 1], with the normals of the
-/// curve. The light of a sun of azimuth 0 stays in planes of constant z.
-struct Curve {
-    std::vector<glm::dvec2> points;  // x, h
-    std::vector<glm::dvec2> normals;
-};
-
-Curve sampled(int cells, const std::function<glm::dvec2(double)>& at) {
-    Curve curve;
-    for (int i = 0; i <= cells; ++i) {
-        const double s = double(i) / cells, e = 1e-4 / cells;
-        curve.points.push_back(at(s));
-        const glm::dvec2 along = at(s + e) - at(s - e);
-        curve.normals.push_back(glm::normalize(glm::dvec2(-along.y, along.x)));
-    }
-    return curve;
-}
-
-scene::FrameScene extruded(const Curve& curve, double width) {
-    const int cells = static_cast<int>(curve.points.size()) - 1;
-    const double length = curve.points.back().x - curve.points.front().x;
-    scene::FrameScene scene = test::water_scene({length, width});
-    test::add_water(scene, {}, cells, 16);
-    auto water = std::make_shared<scene::WaterMesh>(*scene.water);
-    for (std::size_t v = 0; v < water->mesh.positions.size(); ++v) {
-        const std::size_t i = v % curve.points.size();
-        water->mesh.positions[v].x = curve.points[i].x;
-        water->mesh.positions[v].y = curve.points[i].y;
-        water->mesh.normals[v] = {curve.normals[i].x, curve.normals[i].y, 0};
-    }
-    scene.water = water;
-    return scene;
-}
-
-/// What a sun of azimuth 0 sends onto an extruded curve: light rays are the lines u = h cos(e) - x sin(e),
-/// and a curve that hangs together is met from above by all between its end on the sun's side and its
-/// highest.
-double met_by_curve(const Curve& curve, double elevation, double width) {
-    const auto u = [&](glm::dvec2 p) { return p.y * std::cos(elevation) - p.x * std::sin(elevation); };
-    double most = -HUGE_VAL;
-    for (const glm::dvec2 p : curve.points) most = std::max(most, u(p));
-    return (most - u(curve.points.back())) * width;
-}
-
-/// Two ridges of 0.5 m with sides at 45 degrees, tops at x = 1.5 and -1, on level water from -4 to 3.
-double two_ridges(double x) {
-    return std::max({0.0, 0.5 - std::abs(x - 1.5), 0.5 - std::abs(x + 1)});
-}
-
-struct RidgeScene {
-    double elevation = std::atan(0.2);
-    double width = 1.5;
-    Curve curve = sampled(350, [](double s) { return glm::dvec2(7 * s - 4, two_ridges(7 * s - 4)); });
-    scene::FrameScene scene = extruded(curve, width);
-    RidgeScene() { scene.state.lights = {test::sun(90 - glm::degrees(elevation), 0)}; }
-    double middle(std::size_t t) const {
-        const auto& mesh = scene.water->mesh;
-        const glm::uvec3 i = mesh.triangles[t];
-        return (mesh.positions[i.x].x + mesh.positions[i.y].x + mesh.positions[i.z].x) / 3;
-    }
-};
-
-TEST(WaterBeams, ARidgeShadowsTheWaterBehindIt) {
-    const RidgeScene ridges;
-    const auto sheets = beams<double>(ridges.scene, Event::transmission);
-    ASSERT_EQ(sheets.size(), 1u);
-    // The sun stands over +x. The first ridge hides all down to x = -0.5 and the foot of the second up to
-    // 0.5 - 0.2 (1.5 - x) = -0.5 - x, the second ridge all from its top to -1 - 0.5 / 0.2.
-    const double foot = -0.7 / 1.2, behind = -3.5;
-    const double cell = 7.0 / 350;
-    for (std::size_t t = 0; t < sheets[0].flux.size(); ++t) {
-        const double x = ridges.middle(t);
-        const auto near = [&](double edge) { return std::abs(x - edge) < cell; };
-        if (near(foot) || near(behind) || near(1.5) || near(-1)) continue;
-        const bool lit = x < behind || (x > -1 && x < foot) || x > 1.5;
-        ASSERT_EQ(sheets[0].flux[t] > 0, lit) << x;
-    }
-    const double carried = flux(sheets) + flux(beams<double>(ridges.scene, Event::reflection));
-    // Two shadow edges, each within a cell that meets a fiftieth of the light at most (the ridge's side) and
-    // that is sampled at 16 points, two of which may be misjudged.
-    EXPECT_NEAR(carried / met_by_curve(ridges.curve, ridges.elevation, ridges.width), 1, 2.5e-3);
-    const double all =
-        flux_and_losses(sheets) + flux_and_losses(beams<double>(ridges.scene, Event::reflection));
-    EXPECT_NEAR(all / met_by_sun(ridges.scene), 1, 1e-12);
-}
-
-TEST(WaterBeams, LightThatTheNextWaveCatchesIsCountedAndKept) {
-    const RidgeScene ridges;
-    const auto sheets = beams<double>(ridges.scene, Event::reflection);
-    // Light mirrored by the level strip from x = 2 to 3 meets the first ridge; all other leaves: the lit
-    // sides of the ridges send it up, and nothing stands before the strip at the far end.
-    const double strip = std::sin(ridges.elevation) * ridges.width;
-    const double expected = strip * reflectance(glm::radians(90.0) - ridges.elevation, kIndex);
-    // The corner's normals are of neither side: one cell of fifty. Rays along the border, a sixteenth of the
-    // flux, may slip past it.
-    EXPECT_NEAR(sheets[0].losses.second_crossing / expected, 0.95, 0.05);
-    double carried = 0;
-    for (std::size_t t = 0; t < sheets[0].flux.size(); ++t)
-        if (ridges.middle(t) > 2.04) carried += sheets[0].flux[t];
-    EXPECT_NEAR(carried / expected, 0.96, 0.01);
-}
-
-TEST(WaterBeams, LightEntersAnOverturnedWaveAtItsTopOnly) {
-    for (const double zenith : {0.0, 40.0}) {
-        SCOPED_TRACE(zenith);
-        const Curve curve = sampled(600, [](double s) {
-            const double angle = glm::two_pi<double>() * 3 * s;
-            return glm::dvec2(6 * s + 0.6 * std::sin(angle), 0.25 * std::cos(angle + 1));
-        });
-        scene::FrameScene scene = extruded(curve, 1);
-        scene.state.lights = {test::sun(zenith, 0)};
-        for (const bool grid : {true, false}) {
-            auto water = std::make_shared<scene::WaterMesh>(*scene.water);
-            if (!grid) water->rows = water->columns = 0;
-            scene.water = water;
-            const auto through = beams<double>(scene, Event::transmission);
-            const auto mirrored = beams<double>(scene, Event::reflection);
-            expect_sound(through);
-            expect_sound(mirrored);
-            EXPECT_GT(through[0].losses.wave_shadow, 0.1);
-            // Three or six shadow edges, each good to an eighth of one of 600 cells.
-            EXPECT_NEAR((flux(through) + flux(mirrored)) / met_by_curve(curve, glm::radians(90 - zenith), 1),
-                        1, 2.5e-3);
-        }
-    }
-}
-
-TEST(WaterBeams, LowSunsAreAccountedForToTheLastRay) {
-    const Curve curve = sampled(800, [](double s) {
-        const double x = 8 * s - 4;
-        return glm::dvec2(x, 0.03 * std::cos(4 * x) + 0.02 * std::sin(9 * x + 1));
-    });
-    scene::FrameScene scene = extruded(curve, 2);
-    for (const double elevation : {0.1, 0.3, 1.0, 2.0, 5.0}) {
-        SCOPED_TRACE(elevation);
-        scene.state.lights = {test::sun(90 - elevation, 0)};
-        const auto through = beams<float>(scene, Event::transmission);
-        const auto mirrored = beams<float>(scene, Event::reflection);
-        expect_sound(through);
-        expect_sound(mirrored);
-        // Fluxes are rounded to float, a triangle.
-        EXPECT_NEAR((flux_and_losses(through) + flux_and_losses(mirrored)) / met_by_sun(scene), 1, 1e-6);
-        // What is lit are strips at the crests, as narrow as 20 cells, whose edges are sampled by sixteenths.
-        EXPECT_NEAR((flux(through) + flux(mirrored)) / met_by_curve(curve, glm::radians(elevation), 2), 1,
-                    0.02);
-    }
-}
-
 TEST(WaterBeams, SunsFarBelowADegreeMeetFlatWaterWithoutLoss) {
-    scene::FrameScene scene = test::water_scene({4, 4});
-    test::add_water(scene, {}, 20, 20);
+    scene::FrameScene scene = water_scene({4, 4});
+    add_water(scene, {}, 20, 20);
     for (const double elevation : {1e-4, 0.01, 0.1}) {
-        scene.state.lights = {test::sun(90 - elevation)};
+        scene.state.lights = {sun(90 - elevation)};
         for (const Event event : {Event::transmission, Event::reflection}) {
             const auto sheets = beams<float>(scene, event);
             ASSERT_EQ(sheets.size(), 1u);
@@ -327,13 +100,13 @@ double rectangle_solid_angle(glm::dvec2 lower, glm::dvec2 upper, glm::dvec3 from
 }
 
 scene::FrameScene lamp_scene(glm::dvec2 size, int cells, glm::dvec3 position) {
-    scene::FrameScene scene = test::water_scene(size);
+    scene::FrameScene scene = water_scene(size);
     scene::Light lamp;
     lamp.name = "lamp";
     lamp.type = scene::LightType::point;
     lamp.position = position;
     scene.state.lights = {lamp};
-    test::add_water(scene, {}, cells, cells);
+    add_water(scene, {}, cells, cells);
     return scene;
 }
 
@@ -459,11 +232,11 @@ TEST(WaterBeams, ALampUnderWaterIsReflectedTotallyBeyondTheCriticalAngle) {
 TEST(WaterBeams, TheSunsDiscSpreadsAsFlatWaterBendsIt) {
     for (const double zenith : {0.0, 50.0, 85.0}) {
         SCOPED_TRACE(zenith);
-        scene::FrameScene scene = test::water_scene({1, 1});
-        scene.state.lights = {test::sun(zenith)};
+        scene::FrameScene scene = water_scene({1, 1});
+        scene.state.lights = {sun(zenith)};
         scene::Light& sun = scene.state.lights[0];
         sun.angular_diameter = 0.0093;
-        test::add_water(scene, {}, 2, 2);
+        add_water(scene, {}, 2, 2);
         const double radius = std::tan(0.5 * 0.0093);
         const double i = glm::radians(zenith), t = std::asin(std::sin(i) / kIndex);
         for (const Event event : {Event::transmission, Event::reflection}) {
@@ -497,12 +270,12 @@ TEST(WaterBeams, TheSunsDiscSpreadsAsFlatWaterBendsIt) {
 }
 
 TEST(WaterBeams, PartsOfTheDiscShareItEqually) {
-    scene::FrameScene scene = test::water_scene({1, 1});
-    scene.state.lights = {test::sun(40)};
+    scene::FrameScene scene = water_scene({1, 1});
+    scene.state.lights = {sun(40)};
     scene::Light& sun = scene.state.lights[0];
     sun.angular_diameter = 0.0093;
     sun.irradiance = {4, 2, 1};
-    test::add_water(scene, {}, 2, 2);
+    add_water(scene, {}, 2, 2);
     const auto whole = beams<double>(scene, Event::transmission, 1);
     const auto parts = beams<double>(scene, Event::transmission, 16);
     ASSERT_EQ(whole.size(), 1u);
@@ -534,11 +307,11 @@ TEST(WaterBeams, PartsOfTheDiscShareItEqually) {
 }
 
 TEST(WaterBeams, DispersionBendsBlueMoreThanRed) {
-    scene::FrameScene scene = test::water_scene({1, 1});
-    scene.state.lights = {test::sun(60)};
+    scene::FrameScene scene = water_scene({1, 1});
+    scene.state.lights = {sun(60)};
     scene.state.lights[0].irradiance = {4, 2, 1};
     scene.state.water->dispersion = 0.0055;
-    test::add_water(scene, {}, 2, 2);
+    add_water(scene, {}, 2, 2);
     const auto sheets = beams<double>(scene, Event::transmission);
     ASSERT_EQ(sheets.size(), 3u);
     for (int k = 0; k < 3; ++k) {
@@ -556,9 +329,9 @@ TEST(WaterBeams, DispersionBendsBlueMoreThanRed) {
 }
 
 TEST(WaterBeams, VerticesThatAreNotFiniteTakeNoOthersWithThem) {
-    scene::FrameScene scene = test::water_scene({4, 4});
-    scene.state.lights = {test::sun(30)};
-    test::add_water(scene, test::gentle_sea(), 20, 20);
+    scene::FrameScene scene = water_scene({4, 4});
+    scene.state.lights = {sun(30)};
+    add_water(scene, gentle_sea(), 20, 20);
     auto water = std::make_shared<scene::WaterMesh>(*scene.water);
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
     const std::size_t no_place = 5 * 21 + 5, no_normal = 12 * 21 + 8, far_off = 15 * 21 + 15;
@@ -591,21 +364,8 @@ TEST(WaterBeams, VerticesThatAreNotFiniteTakeNoOthersWithThem) {
 TEST(WaterBeams, ASetSunAndALampInTheRestPlaneSendNothing) {
     scene::FrameScene scene = lamp_scene({4, 4}, 4, {0, 0, 0});
     EXPECT_TRUE(beams<float>(scene, Event::transmission).empty());
-    scene.state.lights = {test::sun(91)};
+    scene.state.lights = {sun(91)};
     EXPECT_TRUE(beams<float>(scene, Event::transmission).empty());
-}
-
-TEST(WaterBeams, StatsTellBeamsAndLossesInWatts) {
-    RidgeScene ridges;
-    ridges.scene.state.lights[0].irradiance = {3, 2, 1};
-    const rays::RayScene rays(ridges.scene);
-    FrameStats stats;
-    const auto sheets = light::water_beams<float>(ridges.scene, rays, {0, Event::transmission}, 1, stats);
-    EXPECT_EQ(stats.counted("beams"),
-              std::count_if(sheets[0].flux.begin(), sheets[0].flux.end(), [](float f) { return f > 0; }));
-    EXPECT_NEAR(stats.counted("lost to wave shadow, W"), 2 * sheets[0].losses.wave_shadow, 1e-12);
-    ASSERT_EQ(stats.passes().size(), 1u);
-    EXPECT_EQ(stats.passes()[0].name, "beams");
 }
 
 }  // namespace
