@@ -1,0 +1,192 @@
+// Bounds and sums of the pyramid over landing points.
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "light/water_grids.h"
+#include "methods/sliced_beams/beam_pyramid.h"
+
+namespace dapple {
+namespace {
+
+using light::BeamSheet;
+using methods::sliced_beams::BeamPyramid;
+using methods::sliced_beams::Box;
+using methods::sliced_beams::kNoBeam;
+
+/// Rays that swarm to all sides from a grid or from loose triangles; some beams carry nothing.
+template <class Real>
+struct Swarm {
+    BeamSheet<Real> sheet;
+    std::vector<glm::uvec3> triangles;
+
+    Swarm(int rows, int columns, bool indexed, unsigned seed) {
+        scene::FrameScene scene = test::water_scene({3, 2});
+        test::add_water(scene, {}, columns - 1, rows - 1);
+        triangles = scene.water->mesh.triangles;
+        sheet.rows = indexed ? 0 : rows;
+        sheet.columns = indexed ? 0 : columns;
+        std::mt19937 random(seed);
+        const auto uniform = [&](double low, double high) {
+            return static_cast<Real>(std::uniform_real_distribution<double>(low, high)(random));
+        };
+        if (indexed) std::shuffle(triangles.begin(), triangles.end(), random);
+        for (const glm::dvec3 position : scene.water->mesh.positions) {
+            sheet.rays.push_back({static_cast<Real>(position.x), static_cast<Real>(position.z),
+                                  uniform(-0.8, 0.8), uniform(-0.8, 0.8)});
+            sheet.start.push_back(uniform(-0.1, 0.1));
+            sheet.valid.push_back(1);
+        }
+        for (std::size_t i = 0; i < triangles.size(); ++i)
+            sheet.flux.push_back(i % 7 == 3 ? Real(0) : uniform(0, 1));
+    }
+};
+
+template <class Real>
+class Pyramid : public testing::Test {
+protected:
+    using Node = typename BeamPyramid<Real>::NodeId;
+
+    /// Calls `visit(node)` for a node and all below it.
+    template <class Visit>
+    static void visit_all(const BeamPyramid<Real>& pyramid, Node node, Visit&& visit) {
+        visit(node);
+        if (node.level > 0)
+            pyramid.visit_children(node, [&](Node child) { visit_all(pyramid, child, visit); });
+    }
+    static std::vector<std::uint32_t> beams_below(const BeamPyramid<Real>& pyramid, Node node) {
+        std::vector<std::uint32_t> beams;
+        visit_all(pyramid, node, [&](Node n) {
+            if (n.level > 0) return;
+            for (const std::uint32_t beam : pyramid.beams(n))
+                if (beam != kNoBeam) beams.push_back(beam);
+        });
+        return beams;
+    }
+};
+using Reals = testing::Types<float, double>;
+TYPED_TEST_SUITE(Pyramid, Reals);
+
+constexpr int kSizes[][2] = {{2, 2}, {2, 9}, {7, 6}, {33, 18}};
+
+TYPED_TEST(Pyramid, EveryBeamIsInOneClusterOfEight) {
+    for (const bool indexed : {false, true}) {
+        for (const auto& [rows, columns] : kSizes) {
+            const Swarm<TypeParam> swarm(rows, columns, indexed, 1);
+            const BeamPyramid<TypeParam> pyramid(swarm.sheet, swarm.triangles, TypeParam(-0.1), TypeParam(8));
+            auto beams = this->beams_below(pyramid, pyramid.root());
+            std::sort(beams.begin(), beams.end());
+            ASSERT_EQ(beams.size(), swarm.triangles.size());
+            for (std::size_t i = 0; i < beams.size(); ++i) ASSERT_EQ(beams[i], i);
+        }
+    }
+}
+
+TYPED_TEST(Pyramid, BoxesHoldAllLandingPointsAtAllDepths) {
+    for (const bool indexed : {false, true}) {
+        for (const auto& [rows, columns] : kSizes) {
+            const Swarm<TypeParam> swarm(rows, columns, indexed, 2);
+            const BeamPyramid<TypeParam> pyramid(swarm.sheet, swarm.triangles, TypeParam(-0.1), TypeParam(8));
+            for (const auto& [low, high] : {std::pair(-0.1, -0.1), {-0.1, 8.0}, {0.3, 0.31}, {5.0, 8.0}}) {
+                this->visit_all(pyramid, pyramid.root(), [&, low = low, high = high](auto node) {
+                    const Box<TypeParam> box = pyramid.box(node, TypeParam(low), TypeParam(high));
+                    bool lit = false;
+                    for (const std::uint32_t beam : this->beams_below(pyramid, node)) {
+                        if (!(swarm.sheet.flux[beam] > 0)) continue;
+                        lit = true;
+                        for (int k = 0; k < 3; ++k) {
+                            const auto& ray = swarm.sheet.rays[swarm.triangles[beam][k]];
+                            for (const double t : {0.0, 0.3, 0.5, 0.9, 1.0}) {
+                                const auto depth = TypeParam(TypeParam(low) + t * (high - low));
+                                const TypeParam a = ray.a + depth * ray.slope_a;
+                                const TypeParam b = ray.b + depth * ray.slope_b;
+                                ASSERT_TRUE(a >= box.low_a && a <= box.high_a && b >= box.low_b &&
+                                            b <= box.high_b);
+                            }
+                        }
+                    }
+                    ASSERT_EQ(lit, box.low_a <= box.high_a);
+                    ASSERT_EQ(lit, !pyramid.dark(node));
+                });
+            }
+        }
+    }
+}
+
+TYPED_TEST(Pyramid, BoxesAreTightWhereTheyAreMeasured) {
+    // A box that holds everything would pass the test above: at both measured depths it is the bounds of its
+    // own beams, with a few roundings of room.
+    const Swarm<TypeParam> swarm(33, 18, false, 3);
+    const BeamPyramid<TypeParam> pyramid(swarm.sheet, swarm.triangles, TypeParam(0), TypeParam(8));
+    const TypeParam room = 64 * std::numeric_limits<TypeParam>::epsilon() * 8;
+    for (const TypeParam depth : {TypeParam(0), TypeParam(8)}) {
+        this->visit_all(pyramid, pyramid.root(), [&](auto node) {
+            TypeParam low = 1e9f, high = -1e9f;
+            for (const std::uint32_t beam : this->beams_below(pyramid, node)) {
+                if (!(swarm.sheet.flux[beam] > 0)) continue;
+                for (int k = 0; k < 3; ++k) {
+                    const auto& ray = swarm.sheet.rays[swarm.triangles[beam][k]];
+                    low = std::min(low, ray.b + depth * ray.slope_b);
+                    high = std::max(high, ray.b + depth * ray.slope_b);
+                }
+            }
+            if (low > high) return;
+            const Box<TypeParam> box = pyramid.box(node, depth, depth);
+            ASSERT_NEAR(box.low_b, low, room);
+            ASSERT_NEAR(box.high_b, high, room);
+        });
+    }
+}
+
+TYPED_TEST(Pyramid, SumsAreThoseOfTheBeamsBelow) {
+    for (const bool indexed : {false, true}) {
+        const Swarm<TypeParam> swarm(33, 18, indexed, 4);
+        const BeamPyramid<TypeParam> pyramid(swarm.sheet, swarm.triangles, TypeParam(0), TypeParam(8));
+        this->visit_all(pyramid, pyramid.root(), [&](auto node) {
+            double flux = 0, start = 0, stretch = 0;
+            for (const std::uint32_t beam : this->beams_below(pyramid, node)) {
+                const double carried = static_cast<double>(swarm.sheet.flux[beam]);
+                flux += carried;
+                for (int k = 0; k < 3; ++k) {
+                    const std::uint32_t vertex = swarm.triangles[beam][k];
+                    const glm::dvec2 slope(swarm.sheet.rays[vertex].slope_a,
+                                           swarm.sheet.rays[vertex].slope_b);
+                    start += carried * static_cast<double>(swarm.sheet.start[vertex]) / 3;
+                    stretch += carried * std::sqrt(1 + glm::dot(slope, slope)) / 3;
+                }
+            }
+            const auto& sums = pyramid.sums(node);
+            // Additions in another order: an epsilon a level and beam of a cluster.
+            const double tolerance = 32 * static_cast<double>(std::numeric_limits<TypeParam>::epsilon());
+            ASSERT_NEAR(sums.flux, flux, tolerance * flux);
+            ASSERT_NEAR(sums.flux_start, start, tolerance * flux);
+            ASSERT_NEAR(sums.flux_stretch, stretch, tolerance * stretch);
+        });
+    }
+}
+
+TYPED_TEST(Pyramid, IndexedClustersLieTogether) {
+    // Morton order: of 4 096 shuffled beams on 3 m x 2 m, a cluster of eight spans little.
+    Swarm<TypeParam> swarm(65, 33, true, 5);
+    for (auto& ray : swarm.sheet.rays) ray.slope_a = ray.slope_b = 0;
+    const BeamPyramid<TypeParam> pyramid(swarm.sheet, swarm.triangles, TypeParam(0), TypeParam(1));
+    double area = 0;
+    int clusters = 0;
+    this->visit_all(pyramid, pyramid.root(), [&](auto node) {
+        if (node.level > 0 || pyramid.dark(node)) return;
+        const auto box = pyramid.box(node, TypeParam(0), TypeParam(0));
+        area += static_cast<double>((box.high_a - box.low_a) * (box.high_b - box.low_b));
+        ++clusters;
+    });
+    EXPECT_EQ(clusters, 64 * 32 * 2 / 8);
+    // Without overlap the boxes' mean would be 8 beams; some runs of the curve turn a corner.
+    EXPECT_LT(area, 3 * 3.0 * 2.0);
+}
+
+TYPED_TEST(Pyramid, OfNothingIsEmpty) {
+    const BeamSheet<TypeParam> sheet;
+    EXPECT_TRUE((BeamPyramid<TypeParam>(sheet, {}, TypeParam(0), TypeParam(1)).empty()));
+}
+
+}  // namespace
+}  // namespace dapple
