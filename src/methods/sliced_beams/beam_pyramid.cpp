@@ -127,18 +127,22 @@ void BeamPyramid<Real>::build_finest(std::span<const glm::uvec3> triangles) {
             Sums sums;
             for (const std::uint32_t beam : beams(node(i))) {
                 if (beam == kNoBeam || !(sheet_.flux[beam] > 0)) continue;
-                Real start = 0, stretch = 0;
+                const Real third = sheet_.flux[beam] / 3;
                 for (int k = 0; k < 3; ++k) {
                     const std::uint32_t vertex = triangles[beam][k];
                     const auto& ray = sheet_.rays[vertex];
                     widen(ends.near, ray.a + nearest_ * ray.slope_a, ray.b + nearest_ * ray.slope_b);
                     widen(ends.far, ray.a + farthest_ * ray.slope_a, ray.b + farthest_ * ray.slope_b);
-                    start += sheet_.start[vertex];
-                    stretch += std::sqrt(1 + ray.slope_a * ray.slope_a + ray.slope_b * ray.slope_b);
+                    const Real stretch = std::sqrt(1 + ray.slope_a * ray.slope_a + ray.slope_b * ray.slope_b);
+                    sums += {0,
+                             third * ray.a,
+                             third * ray.b,
+                             third * ray.slope_a,
+                             third * ray.slope_b,
+                             third * sheet_.start[vertex],
+                             third * stretch};
                 }
                 sums.flux += sheet_.flux[beam];
-                sums.flux_start += sheet_.flux[beam] * start / 3;
-                sums.flux_stretch += sheet_.flux[beam] * stretch / 3;
             }
             level.ends[i] = ends;
             level.sums[i] = sums;
@@ -167,9 +171,7 @@ typename BeamPyramid<Real>::Level BeamPyramid<Real>::coarser(const Level& finer)
                             const std::size_t child = row * finer.columns + column;
                             widen(ends.near, finer.ends[child].near);
                             widen(ends.far, finer.ends[child].far);
-                            sums.flux += finer.sums[child].flux;
-                            sums.flux_start += finer.sums[child].flux_start;
-                            sums.flux_stretch += finer.sums[child].flux_stretch;
+                            sums += finer.sums[child];
                         }
                     }
                     level.ends[r * level.columns + c] = ends;

@@ -33,11 +33,24 @@ public:
     struct NodeId {
         std::uint32_t level, row, column;
     };
-    /// What the beams of a node carry.
+    /// What the beams of a node carry: flux, and flux times what tells the mean of their rays.
     struct Sums {
-        Real flux = 0;          ///< unit of BeamSheet::flux
-        Real flux_start = 0;    ///< times the depth at which the beams leave the water, m
-        Real flux_stretch = 0;  ///< times the length of a way a m of depth
+        Real flux = 0;                            ///< unit of BeamSheet::flux
+        Real flux_a = 0, flux_b = 0;              ///< times BeamSheet::Ray, m
+        Real flux_slope_a = 0, flux_slope_b = 0;  ///< m a m of depth
+        Real flux_start = 0;                      ///< times the depth at which the beams leave the water, m
+        Real flux_stretch = 0;                    ///< times the length of a way a m of depth
+
+        Sums& operator+=(const Sums& other) {
+            flux += other.flux;
+            flux_a += other.flux_a;
+            flux_b += other.flux_b;
+            flux_slope_a += other.flux_slope_a;
+            flux_slope_b += other.flux_slope_b;
+            flux_start += other.flux_start;
+            flux_stretch += other.flux_stretch;
+            return *this;
+        }
     };
 
     /// Bounds hold for depths in [nearest, farthest], m. The sheet must outlive the pyramid.

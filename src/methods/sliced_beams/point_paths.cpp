@@ -88,8 +88,7 @@ private:
         for (int side = 0; side < 2 && !path.blocker; ++side) {
             if (hits[side].object == rays::kNoHit) continue;
             path.blocker = hits[side].object;
-            path.blocked_in_air =
-                (side == 1) != sheet.sheet().from_below && (side == 1 || !sheet.sheet().in_water());
+            path.blocked_in_air = side == 1;
         }
     }
 

@@ -88,8 +88,8 @@ std::size_t SlicedBeams::bytes(const scene::FrameState& state, std::size_t) cons
     if (!state.water || state.water->surface.type == scene::WaterSurfaceType::mesh_sequence) return 0;
     const ocean::GridSize grid = ocean::grid_size(*state.water);
     const double vertex = sizeof(light::BeamSheet<float>::Ray) + sizeof(float) + 1;
-    // Pyramids: 8 bounds and 3 sums a cluster of 8 beams, and a third of that again above it.
-    const double beam = sizeof(float) + 4.0 / 3 * 11 * sizeof(float) / sliced_beams::kClusterBeams;
+    // Pyramids: 8 bounds and 7 sums a cluster of 8 beams, and a third of that again above it.
+    const double beam = sizeof(float) + 4.0 / 3 * 15 * sizeof(float) / sliced_beams::kClusterBeams;
     double sheets = 0;
     for (const scene::Light& light : state.lights) {
         const bool disc = light.type == scene::LightType::sun && light.angular_diameter > 0;

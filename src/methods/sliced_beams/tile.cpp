@@ -415,12 +415,16 @@ void Tile<Real>::add_nodes(const Local& local) {
         local.inverse_area * (sums + Vec3<Real>(sum(power[0]), sum(power[1]), sum(power[2])));
 }
 
-/// Power of all beams of a node, W, absorbed over their mean way.
+/// Power of all beams of a node, W, absorbed over the way of their mean ray.
 template <class Real>
 Vec3<Real> Tile<Real>::whole(const Local& local, NodeId node) {
     const auto& sums = pyramid_.sums(node);
-    const Real way =
-        (local.receiver.position.z - sums.flux_start / sums.flux) * (sums.flux_stretch / sums.flux);
+    const Real inverse = 1 / sums.flux;
+    const Receiver<Real>& r = local.receiver;
+    const Vec3<Real> passes(inverse * sums.flux_a, inverse * sums.flux_b, 0);
+    const Vec3<Real> slope(inverse * sums.flux_slope_a, inverse * sums.flux_slope_b, 1);
+    const Real lands = glm::dot(r.normal, r.position - passes) / glm::dot(r.normal, slope);
+    const Real way = (lands - inverse * sums.flux_start) * (inverse * sums.flux_stretch);
     const Vec3<Real> color(sheet_.sheet_.color), absorption(sheet_.absorption_);
     return sums.flux * color * glm::exp(-std::max(Real(0), way) * absorption);
 }
