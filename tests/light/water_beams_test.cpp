@@ -7,6 +7,7 @@
 #include <limits>
 #include <numeric>
 
+#include "base/parallel.h"
 #include "light/beam_checks.h"
 
 namespace dapple {
@@ -359,6 +360,71 @@ TEST(WaterBeams, VerticesThatAreNotFiniteTakeNoOthersWithThem) {
     EXPECT_EQ(through[0].losses.unknown_facets, 12u);  // six about each
     EXPECT_NEAR((through[0].losses.not_finite + mirrored[0].losses.not_finite) / without_normal, 1, 1e-12);
     EXPECT_NEAR((flux_and_losses(through) + flux_and_losses(mirrored)) / met, 1, 1e-12);
+}
+
+TEST(WaterBeams, AVertexThatFacesAwayFromTheLightIsGrazedByIt) {
+    scene::FrameScene scene = water_scene({2, 2});
+    scene.state.lights = {sun(80, 0)};
+    add_water(scene, {}, 2, 2);
+    auto water = std::make_shared<scene::WaterMesh>(*scene.water);
+    const double tilt = glm::radians(30.0);
+    water->mesh.normals[4] = {-std::sin(tilt), std::cos(tilt), 0};  // the middle, of all but two triangles
+    scene.water = water;
+    const glm::dvec3 light = scene.state.lights[0].direction;
+    const auto through = beams<double>(scene, Event::transmission);
+    const auto mirrored = beams<double>(scene, Event::reflection);
+    // Refracted at the critical angle to the surface that it grazes, and mirrored not at all.
+    ASSERT_EQ(through[0].valid[4], 1);
+    EXPECT_NEAR(glm::dot(direction(through[0], 4), light), 1 / kIndex, 1e-14);
+    EXPECT_NEAR(glm::length(direction(mirrored[0], 4) - light), 0, 1e-13);
+    // It lets nothing through: each of its six triangles has two corners that do, each of the others three.
+    const double met = 4 * std::cos(glm::radians(80.0));
+    const double expected = met * (1 - reflectance(glm::radians(80.0), kIndex)) * (6 * 2 + 2 * 3) / 24;
+    EXPECT_NEAR(flux(through) / expected, 1, 1e-13);
+    EXPECT_NEAR((flux(through) + flux(mirrored)) / met, 1, 1e-13);
+}
+
+TEST(WaterBeams, AHundredKilometresFromTheOriginBeamsAreTheSame) {
+    const auto sheet_at = [](double far) {
+        scene::FrameScene scene = water_scene({4, 4});
+        scene.state.lights = {sun(50)};
+        add_water(scene, gentle_sea(), 40, 40);
+        auto water = std::make_shared<scene::WaterMesh>(*scene.water);
+        for (glm::dvec3& p : water->mesh.positions) p += glm::dvec3(far, 0, -far);
+        scene.water = water;
+        scene.state.water->extent.center = {far, -far};
+        scene.origin = {far, 0, -far};
+        return beams<float>(scene, Event::transmission)[0];
+    };
+    const BeamSheet<float> here = sheet_at(0), there = sheet_at(1e5);
+    for (std::size_t v = 0; v < here.rays.size(); ++v) {
+        ASSERT_EQ(there.rays[v].slope_a, here.rays[v].slope_a);
+        // Doubles have digits of 1.5e-11 there; a float of 2 m may round the other way.
+        ASSERT_NEAR(there.rays[v].a, here.rays[v].a, 3e-7);
+        ASSERT_NEAR(there.rays[v].b, here.rays[v].b, 3e-7);
+        ASSERT_NEAR(there.start[v], here.start[v], 3e-7);
+    }
+    // Digits of positions over cells of 0.1 m.
+    for (std::size_t t = 0; t < here.flux.size(); ++t) ASSERT_NEAR(there.flux[t] / here.flux[t], 1, 1e-6);
+}
+
+TEST(WaterBeams, ThreadsDoNotChangeABit) {
+    scene::FrameScene scene = lamp_scene({8, 8}, 130, {0.3, 0.4, -0.2});
+    add_water(scene, gentle_sea(0.01), 130, 130);
+    set_thread_count(1);
+    const auto one = beams<float>(scene, Event::reflection);
+    set_thread_count(4);
+    const auto four = beams<float>(scene, Event::reflection);
+    set_thread_count(0);
+    ASSERT_EQ(one.size(), four.size());
+    for (std::size_t i = 0; i < one.size(); ++i) {
+        EXPECT_EQ(one[i].flux, four[i].flux);
+        EXPECT_EQ(one[i].valid, four[i].valid);
+        EXPECT_EQ(one[i].losses.wave_shadow, four[i].losses.wave_shadow);
+        EXPECT_EQ(one[i].losses.second_crossing, four[i].losses.second_crossing);
+    }
+    EXPECT_GT(one[0].losses.wave_shadow, 0);
+    EXPECT_GT(one[0].losses.second_crossing, 0);
 }
 
 TEST(WaterBeams, ASetSunAndALampInTheRestPlaneSendNothing) {
