@@ -16,8 +16,8 @@ namespace dapple::light {
 struct BeamLosses {
     double wave_shadow = 0;       ///< other waves stand between the light and the facet
     double total_reflection = 0;  ///< transmission from below: triangles across the critical angle
-    double outside_cone = 0;      ///< direction in no sheet's cone about its axis
-    double not_finite = 0;        ///< facets with normals that are not finite, by the triangle's own
+    double outside_cone = 0;      ///< the triangle's three rays fit no one sheet's cone
+    double not_finite = 0;        ///< normals are not finite; by Fresnel of the triangle's own plane
     /// Facets with vertices that are not finite: nobody knows what they would have met.
     std::size_t unknown_facets = 0;
     /// Carried by beams all the same, but these meet the water a second time, which is not followed.
