@@ -1,0 +1,191 @@
+// Sliced beams under flat water in double: level, upright and sloped receivers, sun and lamp.
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "closed_form/beam_sheets.h"
+#include "closed_form/flat_scene.h"
+
+namespace dapple {
+namespace {
+
+using light::Event;
+using test::SheetSet;
+
+constexpr double kIndex = 1.333;
+
+class BeamsFlat : public testing::TestWithParam<double> {
+protected:
+    double zenith() const { return glm::radians(GetParam()); }
+    /// Direction of the refracted sun of sun_from_zenith.
+    glm::dvec3 refracted() const {
+        const double t = std::asin(std::sin(zenith()) / kIndex);
+        return {std::sin(t), -std::cos(t), 0};
+    }
+};
+INSTANTIATE_TEST_SUITE_P(SunFromZenith, BeamsFlat, testing::Values(0.0, 30.0, 60.0, 80.0, 89.0),
+                         [](const auto& sun) { return std::to_string(static_cast<int>(sun.param)) + "deg"; });
+
+TEST_P(BeamsFlat, ALevelFloorHasTheClosedForm) {
+    scene::FrameScene scene = test::scene_of_flat_water({6, 5}, 61, 47);
+    scene.state.lights = {test::sun_from_zenith(GetParam())};
+    scene.state.water->absorption = {0.4, 0.1, 0.03};
+    const SheetSet<double> sheets(scene, Event::transmission, 10);
+    double worst = 0;
+    for (const double depth : {0.5, 2.0}) {
+        const test::FlatFloor floor = test::flat_floor(GetParam(), depth, kIndex);
+        const glm::dvec3 expected = scene.state.lights[0].irradiance * floor.irradiance *
+                                    glm::exp(-scene.state.water->absorption * floor.way);
+        const double shift = depth * refracted().x / -refracted().y;
+        std::vector<test::SheetSet<double>::Receiver> receivers;
+        // Smaller, like and much larger than beams (0.1 m), about the middle of the lit part.
+        for (const double size : {0.003, 0.11, 1.7})
+            for (int i = 0; i < 60; ++i)
+                receivers.push_back(
+                    test::receiver<double>({shift + 0.037 * (i % 8) - 0.14, -depth, 0.041 * (i / 8) - 0.12},
+                                           {0, 1, 0}, {size, 0.7 * size}));
+        for (const glm::dvec3 value : sheets.irradiance(receivers))
+            for (int c = 0; c < 3; ++c) worst = std::max(worst, std::abs(value[c] / expected[c] - 1));
+    }
+    RecordProperty("worst", std::to_string(worst));
+    printf("sun %2.0f deg from the zenith: E off by %.1e in the worst of 360 receivers\n", GetParam(), worst);
+    EXPECT_LT(worst, 1e-9);
+}
+
+TEST_P(BeamsFlat, WallsAndSlopesCatchByTheirCosine) {
+    scene::FrameScene scene = test::scene_of_flat_water({6, 5}, 61, 47);
+    scene.state.lights = {test::sun_from_zenith(GetParam())};
+    const SheetSet<double> sheets(scene, Event::transmission, 10);
+    // Across a ray: the flux of a unit of level floor over the cosine there.
+    const glm::dvec3 across_ray = scene.state.lights[0].irradiance *
+                                  test::flat_floor(GetParam(), 1, kIndex).irradiance / -refracted().y;
+    double worst = 0;
+    int dark = 0;
+    for (const glm::dvec3 turned : {glm::dvec3(-1, 0, 0),
+                                    {1, 0, 0},
+                                    {0, 0, 1},
+                                    {-1, 1, 0.3},
+                                    {0.4, 1, -0.6},
+                                    {-1, 0.02, 0},
+                                    {1, 1.2, 1},
+                                    {-1, -1, 0}}) {
+        const glm::dvec3 normal = glm::normalize(turned);
+        const double cosine = -glm::dot(refracted(), normal);
+        for (const double depth : {0.6, 1.9}) {
+            const glm::dvec3 centre(depth * refracted().x / -refracted().y, -depth, 0.1);
+            for (const double size : {0.004, 0.13, 0.5}) {
+                const glm::dvec3 value =
+                    sheets.irradiance(test::receiver<double>(centre, normal, {size, 0.6 * size}));
+                if (cosine <= 1e-12) {  // lit from behind, or along its plane
+                    EXPECT_EQ(value, glm::dvec3(0));
+                    ++dark;
+                } else {
+                    for (int c = 0; c < 3; ++c)
+                        worst = std::max(worst, std::abs(value[c] / (across_ray[c] * cosine) - 1));
+                }
+            }
+        }
+    }
+    printf("sun %2.0f deg from the zenith: walls and slopes off by %.1e, %d receivers dark\n", GetParam(),
+           worst, dark);
+    EXPECT_LT(worst, 1e-9);
+    EXPECT_GT(dark, 0);
+}
+
+TEST_P(BeamsFlat, TheMirroredSunLightsCeilingsAndWalls) {
+    scene::FrameScene scene = test::scene_of_flat_water({6, 5}, 61, 47);
+    scene.state.lights = {test::sun_from_zenith(GetParam())};
+    const SheetSet<double> sheets(scene, Event::reflection, 10);
+    const glm::dvec3 mirrored = scene.state.lights[0].direction * glm::dvec3(1, -1, 1);
+    const glm::dvec3 across_ray = scene.state.lights[0].irradiance *
+                                  (1 - test::flat_floor(GetParam(), 1, kIndex).irradiance / mirrored.y);
+    for (const glm::dvec3 turned : {glm::dvec3(0, -1, 0), {-1, 0, 0}, {-1, -1, 0.2}}) {
+        const glm::dvec3 normal = glm::normalize(turned);
+        const double cosine = -glm::dot(mirrored, normal);
+        const double way = GetParam() > 85 ? 0.8 : 0.5 / mirrored.y;
+        const glm::dvec3 centre = way * mirrored + glm::dvec3(0.02, 0, 0.01);
+        if (cosine < 1e-12) continue;
+        for (const double size : {0.004, 0.02}) {
+            const glm::dvec3 value =
+                sheets.irradiance(test::receiver<double>(centre, normal, {size, 0.6 * size}));
+            // 1 - T loses a digit against T: R is 0.02 from above.
+            for (int c = 0; c < 3; ++c) EXPECT_NEAR(value[c] / (across_ray[c] * cosine), 1, 1e-9) << size;
+        }
+    }
+}
+
+/// E of a level floor `below` m under flat water, r m from the foot of a lamp of unit intensity `above` m
+/// over it: the cone of rays within the angle i, per area of the ring on which it lands.
+double lamp_irradiance(double r, double above, double below) {
+    // sin(i) by bisection: r grows with i.
+    double low = 0, high = 1;
+    for (int step = 0; step < 60; ++step) {
+        const double s = 0.5 * (low + high), st = s / kIndex;
+        const double lands = above * s / std::sqrt(1 - s * s) + below * st / std::sqrt(1 - st * st);
+        (lands < r ? low : high) = s;
+    }
+    const double s = 0.5 * (low + high), c = std::sqrt(1 - s * s), st = s / kIndex,
+                 ct = std::sqrt(1 - st * st);
+    const double rs = (c - kIndex * ct) / (c + kIndex * ct), rp = (kIndex * c - ct) / (kIndex * c + ct);
+    const double transmittance = 1 - 0.5 * (rs * rs + rp * rp);
+    const double stretch = above / (c * c) + below * c / (kIndex * ct * ct * ct);
+    const double ring = above / c + below / (kIndex * ct);  // r / sin(i)
+    return transmittance / (ring * stretch);
+}
+
+TEST(BeamsFlatLamp, OnTheAxisTheClosedFormIsTheSimpleOne) {
+    const double expected = 4 * kIndex / std::pow(kIndex + 1, 2) / std::pow(1.5 + 2 / kIndex, 2);
+    EXPECT_NEAR(lamp_irradiance(1e-6, 1.5, 2), expected, 1e-9 * expected);
+}
+
+TEST(BeamsFlatLamp, PixelMeansConvergeWithOrderTwo) {
+    constexpr double above = 1.5, below = 2;
+    // Pixels larger than the coarsest beams (which land 0.17 m wide), anywhere, so that their edges cut beams
+    // in all ways: how they do is what makes the error of a single pixel jump about its order.
+    std::vector<SheetSet<double>::Receiver> receivers;
+    std::vector<double> exact;
+    // Gauss & Legendre's four points: E changes by some per cent over a pixel, so right to 1e-10.
+    const double nodes[] = {-0.8611363115940526, -0.3399810435848563, 0.3399810435848563, 0.8611363115940526};
+    const double weights[] = {0.3478548451374538, 0.6521451548625461, 0.6521451548625461, 0.3478548451374538};
+    std::mt19937 random(2);
+    std::uniform_real_distribution<double> place(-1, 1), width(0.2, 0.3);
+    for (int k = 0; k < 1000; ++k) {
+        const glm::dvec2 at(place(random), place(random)), size(width(random), width(random));
+        receivers.push_back(test::receiver<double>({at.x, -below, at.y}, {0, 1, 0}, size));
+        double mean = 0;
+        for (int i = 0; i < 4; ++i)
+            for (int j = 0; j < 4; ++j)
+                mean += 0.25 * weights[i] * weights[j] *
+                        lamp_irradiance(glm::length(at + 0.5 * size * glm::dvec2(nodes[i], nodes[j])), above,
+                                        below);
+        exact.push_back(mean);
+    }
+    std::vector<double> errors;
+    for (const int cells : {32, 64, 128, 256}) {
+        scene::FrameScene scene = test::scene_of_flat_water({2.6, 2.6}, cells, cells);
+        scene::Light lamp;
+        lamp.name = "lamp";
+        lamp.type = scene::LightType::point;
+        lamp.position = {0, above, 0};
+        lamp.intensity = {1, 1, 1};
+        scene.state.lights = {lamp};
+        const auto values = SheetSet<double>(scene, Event::transmission, 3).irradiance(receivers);
+        double error = 0, sum = 0;
+        for (std::size_t i = 0; i < exact.size(); ++i) {
+            error += std::abs(values[i].x - exact[i]);
+            sum += exact[i];
+        }
+        errors.push_back(error / sum);
+        printf("beams %.4f m wide: relative L1 error %.2e%s\n", 2.6 / cells, errors.back(),
+               errors.size() < 2
+                   ? ""
+                   : (", order " + std::to_string(std::log2(errors[errors.size() - 2] / errors.back())))
+                         .c_str());
+    }
+    // Over the last two halvings.
+    EXPECT_NEAR(std::log2(errors[1] / errors[3]) / 2, 2, 0.1);
+    EXPECT_LT(errors[3], 2e-5);  // measured 1.0e-5
+}
+
+}  // namespace
+}  // namespace dapple
