@@ -42,6 +42,7 @@ int parse_and_run(int argc, char** argv) {
     Run run;
     add_render_verb(parser, run);
     add_validate_verb(parser, run);
+    add_probe_verb(parser, run);
     add_info_verb(parser, run);
     try {
         parser.parse(argc, argv);
@@ -54,7 +55,7 @@ int parse_and_run(int argc, char** argv) {
         if (!first.starts_with('-') && !known) {
             return fail(ExitCode::usage,
                         (first.empty() ? "a verb is missing" : "unknown verb '" + clipped(first) + "'") +
-                            "; there are render, validate and info (see dapple --help)");
+                            "; there are render, validate, probe and info (see dapple --help)");
         }
         return fail(ExitCode::usage, one_line(error.what()) + " (see --help)");
     }

@@ -17,5 +17,6 @@ using Run = std::function<ExitCode()>;
 void add_render_verb(CLI::App& app, Run& run);
 void add_validate_verb(CLI::App& app, Run& run);
 void add_info_verb(CLI::App& app, Run& run);
+void add_probe_verb(CLI::App& app, Run& run);
 
 }  // namespace dapple::app

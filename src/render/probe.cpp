@@ -1,0 +1,97 @@
+#include "render/probe.h"
+
+#include "base/error.h"
+#include "methods/reference/oracle.h"
+#include "rays/ray_scene.h"
+#include "render/frame_scene_builder.h"
+#include "render/plan.h"
+#include "view/camera_paths.h"
+
+namespace dapple::render {
+namespace {
+
+/// The chains whose light travels in the receiver's medium.
+std::vector<light::Chain> chains_to(const scene::FrameState& state, bool in_water) {
+    std::vector<light::Chain> chains;
+    for (std::size_t i = 0; state.water && i < state.lights.size(); ++i) {
+        const bool arrives_in_water = !light_above_water(state.lights[i]);
+        for (const light::Event event : {light::Event::transmission, light::Event::reflection}) {
+            const bool leaves_in_water = arrives_in_water == (event == light::Event::reflection);
+            if (leaves_in_water == in_water) chains.push_back({static_cast<int>(i), event});
+        }
+    }
+    return chains;
+}
+
+OracleCount ask_oracle(const scene::FrameState& state, light::Chain chain, const ProbedReceiver& receiver) {
+    OracleCount count;
+    count.chain = chain_name(state, chain);
+    const scene::Light& light = state.lights[static_cast<std::size_t>(chain.light)];
+    try {
+        const oracle::Oracle oracle(*state.water, light, state.time,
+                                    chain.event == light::Event::transmission ? oracle::Event::transmission
+                                                                              : oracle::Event::reflection);
+        const oracle::Result result = oracle.paths(receiver.position, receiver.normal);
+        count.paths = static_cast<int>(result.paths.size());
+        count.sign_sum = result.sign();
+        count.proven = result.proven;
+    } catch (const Error& error) {
+        count.unavailable = error.what();
+    }
+    return count;
+}
+
+ProbedReceiver receiver_of(const scene::FrameScene& scene, const rays::RayScene& rays,
+                           const view::ReceiverLayer& layer) {
+    const scene::FrameState& state = scene.state;
+    ProbedReceiver receiver;
+    const std::string& name = state.objects[layer.object[0]].name;
+    receiver.object = name.empty() ? "objects[" + std::to_string(layer.object[0]) + "]" : name;
+    receiver.position = glm::dvec3(layer.position[0]) + scene.origin;
+    receiver.normal = glm::dvec3(layer.geometric_normal[0]);
+    receiver.in_water = (layer.flags[0] & view::kInWater) != 0;
+    receiver.behind_specular = (layer.flags[0] & view::kBehindSpecular) != 0;
+    receiver.distance = glm::length(receiver.position - state.camera.position);
+
+    const std::vector<light::Chain> chains = chains_to(state, receiver.in_water);
+    receiver.paths = methods::sliced_beams::find_point_paths(scene, rays, chains, receiver.position,
+                                                             receiver.normal, receiver.in_water);
+    for (const methods::sliced_beams::PointPath& path : receiver.paths.paths) {
+        if (!path.blocker) receiver.irradiance += path.irradiance;
+    }
+    if (state.water && state.water->surface.type == scene::WaterSurfaceType::waves) {
+        for (const light::Chain& chain : chains)
+            receiver.oracle.push_back(ask_oracle(state, chain, receiver));
+    }
+    return receiver;
+}
+
+}  // namespace
+
+std::vector<ProbedView> probe(const scene::FrameState& state, glm::dvec2 place) {
+    FrameSceneBuilder builder;
+    const scene::FrameScene scene = builder.build(state);
+    const rays::RayScene rays(scene);
+    const glm::dvec2 corner = glm::floor(place);
+    view::LayerRequest request;
+    request.offset = place - corner;
+    request.window = {glm::ivec2(corner), {1, 1}};
+    std::vector<ProbedView> views;
+    for (const int branch : {0, 1}) {
+        request.branch = branch;
+        view::LayerCounts counts;
+        const view::ReceiverLayer layer = view::trace_layer(scene, rays, request, counts);
+        ProbedView& found = views.emplace_back();
+        found.throughput = glm::dvec3(layer.throughput[0]);
+        if (layer.flags[0] & view::kReceiver) {
+            found.sees = ProbedView::Sees::receiver;
+            found.receiver = receiver_of(scene, rays, layer);
+        } else if (layer.flags[0] & view::kEnvironment) {
+            found.sees = ProbedView::Sees::sky;
+        }
+        if (counts.split_pixels == 0) break;
+    }
+    return views;
+}
+
+}  // namespace dapple::render

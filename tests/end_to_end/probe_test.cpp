@@ -1,0 +1,170 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "end_to_end/program.h"
+
+namespace dapple::end_to_end {
+namespace {
+
+using testing::HasSubstr;
+using testing::SizeIs;
+using testing_tools::ScratchFolder;
+using Json = nlohmann::json;
+
+class Probe : public testing::Test {
+protected:
+    testing_tools::Outcome probe(std::vector<std::string> arguments, const std::string& timeline = "probe") {
+        arguments.insert(arguments.begin(), {"probe", kFolder + "/" + timeline + ".yaml"});
+        return run_dapple(scratch, arguments);
+    }
+
+    Json views(std::vector<std::string> arguments, const std::string& timeline = "probe") {
+        arguments.emplace_back("--json");
+        const auto outcome = probe(arguments, timeline);
+        EXPECT_EQ(outcome.code, 0) << outcome.output;
+        return Json::parse(outcome.output).at("views");
+    }
+
+    ScratchFolder scratch;
+};
+
+TEST_F(Probe, FlatWaterHasOnePathAndItsClosedForm) {
+    const Json found = views({"32", "18"});
+    ASSERT_THAT(found, SizeIs(1));
+    EXPECT_EQ(found[0].at("sees"), "receiver");
+    const Json receiver = found[0].at("receiver");
+    EXPECT_EQ(receiver.at("object"), "floor");
+    EXPECT_EQ(receiver.at("in_water"), true);
+    EXPECT_EQ(receiver.at("behind_specular"), false);
+    EXPECT_NEAR(receiver.at("position")[0].get<double>(), 0.05, 1e-6);  // the pixel's centre; float positions
+    EXPECT_NEAR(receiver.at("position")[1].get<double>(), -2, 1e-6);
+    EXPECT_NEAR(receiver.at("position")[2].get<double>(), 0.05, 1e-6);
+    EXPECT_NEAR(receiver.at("distance").get<double>(), std::hypot(0.5, 0.05, 0.05), 1e-6);
+    EXPECT_EQ(receiver.at("count"), 1);
+    EXPECT_EQ(receiver.at("sign_sum"), 1);
+    EXPECT_EQ(receiver.at("fold"), false);
+
+    ASSERT_THAT(receiver.at("paths"), SizeIs(1));
+    const Json path = receiver.at("paths")[0];
+    EXPECT_EQ(path.at("chain"), "sun > water:T");
+    EXPECT_TRUE(path.at("blocked_by").is_null());
+    EXPECT_NEAR(path.at("jacobian").get<double>(), 1, 1e-6);
+    EXPECT_EQ(path.at("sign"), 1);
+    EXPECT_NEAR(path.at("way").get<double>(), 2, 1e-6);
+    EXPECT_NEAR(path.at("water_point")[0].get<double>(), 0.05, 1e-6);
+    EXPECT_NEAR(path.at("water_point")[1].get<double>(), 0, 1e-6);
+    EXPECT_NEAR(path.at("direction")[1].get<double>(), -1, 1e-6);
+    const double transmittance = 1 - std::pow(0.333 / 2.333, 2);
+    const double absorption[] = {0.4, 0.1, 0.03};
+    for (std::size_t channel = 0; channel < 3; ++channel) {
+        const double expected = 2 * transmittance * std::exp(-2 * absorption[channel]);
+        // 1e-5: positions in float.
+        EXPECT_NEAR(path.at("irradiance")[channel].get<double>(), expected, 1e-5);
+        EXPECT_NEAR(receiver.at("irradiance")[channel].get<double>(), expected, 1e-5);
+    }
+
+    ASSERT_THAT(receiver.at("oracle"), SizeIs(1));
+    EXPECT_EQ(receiver.at("oracle")[0],
+              (Json{{"chain", "sun > water:T"}, {"paths", 1}, {"sign_sum", 1}, {"proven", true}}));
+}
+
+TEST_F(Probe, NamesWhatBlocksAPathAndWhere) {
+    const auto blocked = [&](const char* x) {
+        const Json receiver = views({x, "18"})[0].at("receiver");
+        EXPECT_EQ(receiver.at("object"), "floor");
+        EXPECT_EQ(receiver.at("irradiance"), Json({0.0, 0.0, 0.0}));
+        EXPECT_EQ(receiver.at("count"), 1);
+        const Json path = receiver.at("paths")[0];
+        EXPECT_GT(path.at("irradiance")[2].get<double>(), 1);  // as if nothing blocked it
+        return path.at("blocked_by").get<std::string>() + ": " +
+               path.at("blocked_between").get<std::string>();
+    };
+    EXPECT_EQ(blocked("22"), "buoy: light and water");
+    EXPECT_EQ(blocked("42"), "raft: water and receiver");
+    const auto text = probe({"22", "18"});
+    EXPECT_THAT(text.output, HasSubstr("blocked by buoy between light and water"));
+    EXPECT_THAT(text.output, HasSubstr("sum: E (0, 0, 0) W/m^2"));
+}
+
+TEST_F(Probe, WavesHaveAsManyPathsAsTheOracleProves) {
+    int folded = 0;
+    for (const char* x : {"8", "26", "32", "44", "56"}) {
+        const Json receiver =
+            views({x, "30", "-f", "3", "--set", "water.surface.waves[0].amplitude=4 cm"}, "small")[0].at(
+                "receiver");
+        const Json oracle = receiver.at("oracle")[0];
+        EXPECT_EQ(oracle.at("proven"), true) << x;
+        EXPECT_EQ(receiver.at("count").get<std::size_t>(), receiver.at("paths").size());
+        double red = 0;
+        int signs = 0;
+        for (const Json& path : receiver.at("paths")) {
+            if (path.at("blocked_by").is_null()) red += path.at("irradiance")[0].get<double>();
+            signs += path.at("sign").get<int>();
+        }
+        EXPECT_NEAR(receiver.at("irradiance")[0].get<double>(), red, 1e-12);
+        EXPECT_EQ(receiver.at("sign_sum"), signs);
+        EXPECT_EQ(signs, 1) << x;
+        if (receiver.at("fold") == false) {
+            EXPECT_EQ(receiver.at("count"), oracle.at("paths")) << x;
+        }
+        folded += receiver.at("count") > 1 ? 1 : 0;
+    }
+    EXPECT_GT(folded, 0) << "single paths test little";
+}
+
+TEST_F(Probe, PrintsForPeople) {
+    const auto outcome = probe({"32.5", "18.25", "-f", "2"});
+    EXPECT_EQ(outcome.code, 0);
+    for (const char* expected :
+         {"frame 2, picture point (32.5, 18.25)", "receiver: floor at (0.05, -2, 0.025) m",
+          "in the water, seen directly", "sun > water:T: 1 path\n", "lit\n", "1 path, sum of signs +1",
+          "oracle: sun > water:T: 1 path, sum of signs +1, proven"}) {
+        EXPECT_THAT(outcome.output, HasSubstr(expected));
+    }
+}
+
+TEST_F(Probe, IsAVerb) {
+    EXPECT_THAT(run_dapple(scratch, {"--help"}).output, HasSubstr("probe"));
+    EXPECT_THAT(run_dapple(scratch, {"probe", "--help"}).output, HasSubstr("the oracle"));
+}
+
+TEST_F(Probe, SaysWhatAPixelWithoutReceiverSees) {
+    const auto sky = probe(
+        {"32", "18", "--set", "camera.position=[0 m, 5 m, 0 m]", "--set", "camera.target=[0 m, 6 m, 0 m]"});
+    EXPECT_EQ(sky.code, 0);
+    EXPECT_THAT(sky.output, HasSubstr("no receiver: it sees the sky"));
+    const auto dark = probe({"32", "18", "--set", "camera.target=[1 m, -1.5 m, 0 m]"});
+    EXPECT_EQ(dark.code, 0);
+    EXPECT_THAT(dark.output, HasSubstr("no receiver: it sees nothing"));
+    EXPECT_EQ(views({"32", "18", "--set", "camera.target=[1 m, -1.5 m, 0 m]"})[0].at("sees"), "nothing");
+}
+
+TEST_F(Probe, FollowsBothPathsOfASplit) {
+    // From above the water: the floor through it, and the sky by it.
+    const Json found = views(
+        {"32", "18", "--set", "camera.position=[0 m, 2 m, 0 m]", "--set", "camera.target=[1 m, 0 m, 0 m]"});
+    ASSERT_THAT(found, SizeIs(2));
+    EXPECT_EQ(found[0].at("receiver").at("object"), "floor");
+    EXPECT_EQ(found[0].at("receiver").at("behind_specular"), true);
+    EXPECT_EQ(found[0].at("receiver").at("count"), 1);
+    EXPECT_EQ(found[1].at("sees"), "sky");
+}
+
+TEST_F(Probe, RefusesPlacesOutsideThePicture) {
+    for (const char* x : {"64", "-1", "-0.5", "64.0", "nan", "1e1", "", "3,5", "99999999999"}) {
+        const auto outcome = probe({"--", x, "18"});
+        EXPECT_EQ(outcome.code, 2) << x;
+        EXPECT_THAT(outcome.output, HasSubstr("ERROR [2] X '")) << x;
+        EXPECT_THAT(outcome.output, HasSubstr("take a pixel, 0 to 63")) << x;
+    }
+    EXPECT_THAT(probe({"63", "36"}).output,
+                HasSubstr("Y '36' is no place in the picture: take a pixel, 0 to 35"));
+    EXPECT_EQ(probe({"63", "35"}).code, 0);
+    EXPECT_EQ(probe({"3"}).code, 2);
+}
+
+}  // namespace
+}  // namespace dapple::end_to_end
