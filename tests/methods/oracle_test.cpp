@@ -252,9 +252,9 @@ TEST(Sinusoid, PointsOnAFoldAreLeftUndecided) {
     // Landing points differ by X'' dx^2 / 2 there, which vanishes in rounding, 1e-15, below some 1e-8 m.
     for (const UndecidedBox& box : on_fold.undecided) {
         EXPECT_NEAR(box.center.x, static_cast<double>(low), 3e-8);
-        EXPECT_LT(box.half_size.x, 1e-9);
+        EXPECT_LT(box.half_size.x, 3e-8);
     }
-    EXPECT_LT(on_fold.undecided.size(), 2000u);
+    EXPECT_LE(on_fold.undecided.size(), 3u);  // neighbours are merged
     // A nanometre to either side it is certain again: there the pair is some 1e-5 m apart.
     const Result inside = oracle.paths({fold + 1e-9, -depth, 0}, kUp);
     const Result outside = oracle.paths({fold - 1e-9, -depth, 0}, kUp);
@@ -262,6 +262,19 @@ TEST(Sinusoid, PointsOnAFoldAreLeftUndecided) {
     EXPECT_EQ(inside.paths.size() + outside.paths.size(), 4u);
     EXPECT_EQ(inside.sign(), 1);
     EXPECT_EQ(outside.sign(), 1);
+}
+
+TEST(Sinusoid, PathsOnTheBorderOfBoxesCountOnce) {
+    // Everything is symmetric about x = 0, where boxes are split and the light passes straight down.
+    const double amplitude = 0.01, depth = 4;
+    const Oracle oracle(test::one_sinusoid(kLength, amplitude), test::sun_at(90), 0);
+    const Result result = oracle.paths({0, -depth, 0}, kUp);
+    EXPECT_TRUE(result.proven);
+    EXPECT_EQ(result.paths.size(), sinusoid_paths(1e-9L, amplitude, depth).size());
+    EXPECT_EQ(std::ranges::count_if(result.paths,
+                                    [](const Path& path) { return std::abs(path.water_point.x) < 1e-15; }),
+              1);
+    EXPECT_EQ(result.sign(), 1);
 }
 
 TEST(Sinusoid, WavesShadowEachOtherUnderALowSun) {
@@ -284,6 +297,7 @@ TEST(Sinusoid, WavesShadowEachOtherUnderALowSun) {
                 least = std::min(least, height(down.x) - down.y);
             }
             EXPECT_EQ(path.blocked, least < 0) << least;
+            EXPECT_GT(path.irradiance, 0);  // facets that face away from the light are no paths
             (path.blocked ? blocked : clear) += 1;
         }
     }
@@ -377,6 +391,42 @@ TEST(Sea, ReflectedPathsAreThoseOfManySeeds) {
     expect_seeds_find_the_same(oracle, 0.6, 2.5, 100);
 }
 
+TEST(Sea, PathsAppearInPairsAcrossFolds) {
+    const double depth = 4;
+    const Oracle oracle(test::sea_of_24_waves(1), test::sun_at(50), 0);
+    const auto determinant = [&](double u) {
+        return glm::determinant(oracle.land({u, 0.3}, -depth).jacobian);
+    };
+    int folds = 0;
+    for (double u = -3; u < 1; u += 0.02) {
+        double low = u, high = u + 0.02;
+        const bool negative = determinant(low) < 0;
+        if (negative == (determinant(high) < 0)) continue;
+        for (int step = 0; step < 60; ++step) {
+            const double middle = 0.5 * (low + high);
+            ((determinant(middle) < 0) == negative ? low : high) = middle;
+        }
+        const LandingPoint fold = oracle.land({low, 0.3}, -depth);
+        EXPECT_FALSE(oracle.paths({fold.position.x, -depth, fold.position.y}, kUp).proven);
+        // A micron to either side, across the fold: along J's left null vector.
+        const glm::dmat2& j = fold.jacobian;
+        const glm::dvec2 along = glm::length(j[0]) > glm::length(j[1]) ? j[0] : j[1];
+        const glm::dvec2 across = 1e-6 * glm::normalize(glm::dvec2(-along.y, along.x));
+        std::size_t counts[2];
+        for (const int side : {0, 1}) {
+            const glm::dvec2 at = fold.position + (side == 0 ? across : -across);
+            const Result result = oracle.paths({at.x, -depth, at.y}, kUp);
+            EXPECT_TRUE(result.proven);
+            EXPECT_EQ(result.sign(), 1);
+            EXPECT_LT(result.boxes, 2500u);  // 1200 are examined anywhere at this depth
+            counts[side] = result.paths.size();
+        }
+        EXPECT_EQ(std::max(counts[0], counts[1]) - std::min(counts[0], counts[1]), 2u);
+        ++folds;
+    }
+    EXPECT_GT(folds, 5);
+}
+
 class SeaDepth : public testing::TestWithParam<std::pair<double, double>> {};
 INSTANTIATE_TEST_SUITE_P(MetresAndMeanPaths, SeaDepth,
                          testing::Values(std::pair(0.5, 1.0), std::pair(1.0, 1.0), std::pair(2.0, 1.11),
@@ -393,8 +443,9 @@ TEST_P(SeaDepth, SignsSumToOneAndTheMeanCountIsTheMeanJacobian) {
     for (const std::uint64_t seed : {1u, 2u}) {
         const Oracle oracle(test::sea_of_24_waves(seed), test::sun_at(50), 0);
         for (std::uint64_t i = 0; i < kSide * kSide; ++i) {
-            const double x = 0.5 * (static_cast<double>(i % kSide) + random_between(0, 1, i, 0));
-            const double z = 0.5 * (static_cast<double>(i / kSide) + random_between(0, 1, i, 1));
+            const std::uint64_t column = i % kSide, row = i / kSide;
+            const double x = 0.5 * (static_cast<double>(column) + random_between(0, 1, i, 0));
+            const double z = 0.5 * (static_cast<double>(row) + random_between(0, 1, i, 1));
             const Result result = oracle.paths({x, -depth, z}, kUp);
             ASSERT_TRUE(result.proven);
             ASSERT_EQ(result.sign(), 1) << x << ' ' << z;

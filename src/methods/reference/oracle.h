@@ -28,7 +28,8 @@ struct Path {
     bool blocked = false;
 };
 
-/// A rectangle of the horizontal plane in which the number of paths was not decided.
+/// A rectangle of the horizontal plane in which the number of paths was not decided. It may also hold paths
+/// that are listed.
 struct UndecidedBox {
     glm::dvec2 center{0, 0};  ///< m, world x and z
     glm::dvec2 half_size{0, 0};

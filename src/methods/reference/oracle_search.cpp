@@ -1,5 +1,6 @@
 #include "methods/reference/oracle_search.h"
 
+#include <algorithm>
 #include <cmath>
 #include <glm/glm.hpp>
 #include <optional>
@@ -49,14 +50,14 @@ public:
             Box box = stack.back();
             stack.pop_back();
             if (found_.boxes == kMostBoxes) {
-                found_.undecided.push_back(box);
+                add_undecided(box);
                 continue;
             }
             ++found_.boxes;
             const Box whole = box;
             if (!examine(box)) continue;
             if (larger_width(whole) < kSmallestBox) {
-                found_.undecided.push_back(box);
+                add_undecided(box);
                 continue;
             }
             // Split unless the examination itself has cut much off.
@@ -213,11 +214,27 @@ private:
                 return;  // found again
         }
         for (const Root& other : found_.roots) {
-            if (!disjoint(other.enclosure, image)) return found_.undecided.push_back(image);
+            if (!disjoint(other.enclosure, image)) return add_undecided(image);
         }
         const auto answer = carries(image);
-        if (!answer || (*answer && root.sign == 0)) return found_.undecided.push_back(image);
+        if (!answer || (*answer && root.sign == 0)) return add_undecided(image);
         if (*answer) found_.roots.push_back(root);
+    }
+
+    /// Thousands of small boxes line up along a fold: neighbours become one rectangle.
+    void add_undecided(Box box) {
+        const auto near = [&](const Box& other) {
+            return !disjoint(Box{outward(other.x.lo - kSmallestBox, other.x.hi + kSmallestBox),
+                                 outward(other.z.lo - kSmallestBox, other.z.hi + kSmallestBox)},
+                             box);
+        };
+        std::vector<Box>& all = found_.undecided;
+        for (auto other = std::ranges::find_if(all, near); other != all.end();
+             other = std::ranges::find_if(all, near)) {
+            box = {hull(other->x, box.x), hull(other->z, box.z)};
+            all.erase(other);
+        }
+        all.push_back(box);
     }
 
     /// Whether the solution in `image` is a ray of the light inside the domain; nothing if it is too near to
