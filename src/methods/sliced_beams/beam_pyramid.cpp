@@ -140,7 +140,9 @@ void BeamPyramid<Real>::build_finest(std::span<const glm::uvec3> triangles) {
                              third * ray.slope_a,
                              third * ray.slope_b,
                              third * sheet_.start[vertex],
-                             third * stretch};
+                             third * stretch,
+                             sheet_.start[vertex],
+                             sheet_.start[vertex]};
                 }
                 sums.flux += sheet_.flux[beam];
             }

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -33,7 +34,8 @@ public:
     struct NodeId {
         std::uint32_t level, row, column;
     };
-    /// What the beams of a node carry: flux, and flux times what tells the mean of their rays.
+    /// What the beams of a node carry: flux, and flux times what tells the mean of their rays; and where they
+    /// leave the water.
     struct Sums {
         Real flux = 0;                            ///< unit of BeamSheet::flux
         Real flux_a = 0, flux_b = 0;              ///< times BeamSheet::Ray, m
@@ -41,7 +43,13 @@ public:
         Real flux_start = 0;                      ///< times the depth at which the beams leave the water, m
         Real flux_stretch = 0;                    ///< times the length of a way a m of depth
 
+        /// m, depths between which the beams leave the water.
+        Real first_start = std::numeric_limits<Real>::infinity();
+        Real last_start = -std::numeric_limits<Real>::infinity();
+
         Sums& operator+=(const Sums& other) {
+            first_start = std::min(first_start, other.first_start);
+            last_start = std::max(last_start, other.last_start);
             flux += other.flux;
             flux_a += other.flux_a;
             flux_b += other.flux_b;

@@ -1,34 +1,16 @@
 #include "methods/sliced_beams/occluders.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "scene/transform.h"
 
 namespace dapple::methods::sliced_beams {
 namespace {
 
-void widen(Bounds& bounds, glm::dvec3 point) {
-    bounds.low = glm::min(bounds.low, point);
-    bounds.high = glm::max(bounds.high, point);
-}
-
-Bounds nothing() {
-    constexpr double infinity = std::numeric_limits<double>::infinity();
-    return {glm::dvec3(infinity), glm::dvec3(-infinity)};
-}
-
-template <class Visit>
-void visit_corners(const Bounds& bounds, Visit&& visit) {
-    for (int i = 0; i < 8; ++i)
-        visit(glm::dvec3(i & 1 ? bounds.high.x : bounds.low.x, i & 2 ? bounds.high.y : bounds.low.y,
-                         i & 4 ? bounds.high.z : bounds.low.z));
-}
-
 Bounds shape_bounds(const scene::Object& object, const scene::TriangleMesh* mesh) {
     if (mesh) {
-        Bounds bounds = nothing();
-        for (const glm::dvec3& position : mesh->positions) widen(bounds, position);
+        Bounds bounds;
+        for (const glm::dvec3& position : mesh->positions) bounds.widen(position);
         return bounds;
     }
     glm::dvec3 half = 0.5 * object.size;
@@ -37,89 +19,88 @@ Bounds shape_bounds(const scene::Object& object, const scene::TriangleMesh* mesh
     return {-half, half};
 }
 
-/// Rows: two axes across `direction`, and itself.
-glm::dmat3 across(glm::dvec3 direction) {
-    const glm::dvec3 helper = std::abs(direction.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0);
-    const glm::dvec3 u = glm::normalize(glm::cross(helper, direction));
-    return glm::transpose(glm::dmat3(u, glm::cross(direction, u), direction));
-}
-
 bool overlap(const Bounds& x, const Bounds& y) {
     return glm::all(glm::lessThanEqual(x.low, y.high)) && glm::all(glm::greaterThanEqual(x.high, y.low));
 }
 
 }  // namespace
 
+bool may_meet(const Bounds& from, const Bounds& to, const Bounds& object) {
+    for (int axis = 0; axis < 3; ++axis) {
+        // Along an axis on which the boxes lie apart, the object's interval bounds the part s of the way on
+        // which a segment is beside it: v = f + s (t - f) gives the least s for the largest f and t.
+        const double sign = to.low[axis] > from.high[axis] ? 1 : -1;
+        if (sign < 0 && to.high[axis] >= from.low[axis]) continue;
+        const double from_low = sign > 0 ? from.low[axis] : -from.high[axis];
+        const double from_high = sign > 0 ? from.high[axis] : -from.low[axis];
+        const double to_low = sign > 0 ? to.low[axis] : -to.high[axis];
+        const double to_high = sign > 0 ? to.high[axis] : -to.low[axis];
+        const double object_low = sign > 0 ? object.low[axis] : -object.high[axis];
+        const double object_high = sign > 0 ? object.high[axis] : -object.low[axis];
+        const double first = (object_low - from_high) / (to_high - from_high);
+        const double last = (object_high - from_low) / (to_low - from_low);
+        if (first > 1 || last < 0) return false;
+        Bounds beside;
+        for (const double s : {std::max(first, 0.0), std::min(last, 1.0)}) {
+            beside.widen(glm::mix(from.low, to.low, s));
+            beside.widen(glm::mix(from.high, to.high, s));
+        }
+        if (!overlap(beside, object)) return false;
+    }
+    return overlap({glm::min(from.low, to.low), glm::max(from.high, to.high)}, object);
+}
+
 template <class Real>
 Occluders::Occluders(const scene::FrameScene& scene, const light::BeamSheet<Real>& sheet)
-    : sheet_from_world_(glm::transpose(sheet.world_from_mesh)),
-      world_from_sheet_(sheet.world_from_mesh),
-      light_from_world_(1.0),
-      sun_(sheet.light_direction != glm::dvec3(0)),
-      light_position_(scene.state.lights[static_cast<std::size_t>(sheet.light)].position - scene.origin) {
-    if (sun_) light_from_world_ = across(sheet.light_direction);
+    : to_sun_(-sheet.light_direction),
+      lamp_(scene.state.lights[static_cast<std::size_t>(sheet.light)].position - scene.origin) {
+    const glm::dmat3 sheet_from_world = glm::transpose(sheet.world_from_mesh);
     for (std::size_t i = 0; i < scene.state.objects.size(); ++i) {
         const scene::Object& object = scene.state.objects[i];
         const scene::TriangleMesh* mesh =
             i < scene.object_meshes.size() ? scene.object_meshes[i].get() : nullptr;
         const glm::dmat4 world_from_object = scene::world_from_object(object.transform);
-        Object entry{object.shape != scene::Shape::mesh, nothing(), nothing(), nothing()};
-        visit_corners(shape_bounds(object, mesh), [&](glm::dvec3 corner) {
-            const glm::dvec3 world = glm::dvec3(world_from_object * glm::dvec4(corner, 1)) - scene.origin;
-            widen(entry.across_sheet, sheet_from_world_ * world);
-            widen(entry.across_light, light_from_world_ * world);
-            widen(entry.world, world);
-        });
+        const Bounds shape = shape_bounds(object, mesh);
+        Object entry{object.shape != scene::Shape::mesh, {}, {}};
+        for (int k = 0; k < 8; ++k) {
+            const glm::dvec3 world =
+                glm::dvec3(world_from_object * glm::dvec4(shape.corner(k), 1)) - scene.origin;
+            entry.in_world.widen(world);
+            entry.in_sheet.widen(sheet_from_world * world);
+        }
         // Room for the rounding of rays and receivers.
-        for (Bounds* bounds : {&entry.across_sheet, &entry.across_light, &entry.world}) {
+        for (Bounds* bounds : {&entry.in_sheet, &entry.in_world}) {
             const glm::dvec3 room = 1e-5 * (1.0 + glm::max(glm::abs(bounds->low), glm::abs(bounds->high)));
             bounds->low -= room;
             bounds->high += room;
         }
+        beyond_ = std::max(
+            beyond_, glm::length(glm::max(glm::abs(entry.in_world.low), glm::abs(entry.in_world.high))));
         objects_.push_back(entry);
     }
 }
 
-bool Occluders::free_after_water(const Box<double>& surface, double nearest, const Box<double>& receivers,
-                                 double low, double high, std::uint32_t own) const {
-    const auto mix = [](double from, double to, double t) { return from + t * (to - from); };
+bool Occluders::free_after_water(const Bounds (&surface)[2], const Bounds (&receivers)[2],
+                                 std::uint32_t own) const {
     for (std::size_t i = 0; i < objects_.size(); ++i) {
         const Object& object = objects_[i];
         if (i == own && object.convex) continue;
-        const Bounds& o = object.across_sheet;
-        if (o.low.z > high || o.high.z < nearest) continue;
-        // A ray to a receiver at depth d has done the share (depth - nearest) / (d - nearest) of its way.
-        bool meets_a = false, meets_b = false;
-        double low_a = 1e300, high_a = -1e300, low_b = 1e300, high_b = -1e300;
-        for (const double depth : {std::max(o.low.z, nearest), std::min(o.high.z, high)}) {
-            const double way = high - nearest;
-            const double t = way > 0 ? std::clamp((std::min(depth, low) - nearest) / way, 0.0, 1.0) : 1;
-            low_a = std::min(low_a, mix(surface.low_a, receivers.low_a, t));
-            high_a = std::max(high_a, mix(surface.high_a, receivers.high_a, t));
-            low_b = std::min(low_b, mix(surface.low_b, receivers.low_b, t));
-            high_b = std::max(high_b, mix(surface.high_b, receivers.high_b, t));
-        }
-        meets_a = o.low.x <= high_a && o.high.x >= low_a;
-        meets_b = o.low.y <= high_b && o.high.y >= low_b;
-        if (meets_a && meets_b) return false;
+        if (may_meet(surface[0], receivers[0], object.in_sheet) &&
+            may_meet(surface[1], receivers[1], object.in_world))
+            return false;
     }
     return true;
 }
 
-bool Occluders::free_before_water(const Box<double>& surface, double nearest, double farthest) const {
-    Bounds entry = nothing();
-    visit_corners({{surface.low_a, surface.low_b, nearest}, {surface.high_a, surface.high_b, farthest}},
-                  [&](glm::dvec3 corner) {
-                      const glm::dvec3 world = world_from_sheet_ * corner;
-                      widen(entry, sun_ ? light_from_world_ * world : world);
-                  });
-    if (sun_)
-        entry.low.z = -std::numeric_limits<double>::infinity();
-    else
-        widen(entry, light_position_);
-    return std::none_of(objects_.begin(), objects_.end(), [&](const Object& object) {
-        return overlap(entry, sun_ ? object.across_light : object.world);
-    });
+bool Occluders::free_before_water(const Bounds& surface) const {
+    Bounds source{lamp_, lamp_};
+    if (to_sun_ != glm::dvec3(0)) {
+        const glm::dvec3 size = glm::max(glm::abs(surface.low), glm::abs(surface.high));
+        const glm::dvec3 way = 2 * (beyond_ + glm::length(size)) * to_sun_;
+        source = {surface.low + way, surface.high + way};
+    }
+    return std::none_of(objects_.begin(), objects_.end(),
+                        [&](const Object& object) { return may_meet(surface, source, object.in_world); });
 }
 
 template Occluders::Occluders(const scene::FrameScene&, const light::BeamSheet<float>&);

@@ -1,5 +1,6 @@
 #pragma once
 #include <glm/glm.hpp>
+#include <limits>
 #include <vector>
 
 #include "light/water_beams.h"
@@ -9,9 +10,22 @@
 
 namespace dapple::methods::sliced_beams {
 
+/// A box, m, relative to FrameScene::origin; without points: low > high.
 struct Bounds {
-    glm::dvec3 low{0, 0, 0}, high{0, 0, 0};
+    glm::dvec3 low{std::numeric_limits<double>::infinity()};
+    glm::dvec3 high{-std::numeric_limits<double>::infinity()};
+
+    void widen(glm::dvec3 point) {
+        low = glm::min(low, point);
+        high = glm::max(high, point);
+    }
+    glm::dvec3 corner(int i) const {
+        return {i & 1 ? high.x : low.x, i & 2 ? high.y : low.y, i & 4 ? high.z : low.z};
+    }
 };
+
+/// Whether a segment from a point of one box to a point of the other can meet a third; sure where it says no.
+bool may_meet(const Bounds& from, const Bounds& to, const Bounds& object);
 
 /// Which objects can stand in the light of one sheet at all, by bounding boxes: their answer "free" is sure.
 class Occluders {
@@ -19,14 +33,11 @@ public:
     template <class Real>
     Occluders(const scene::FrameScene& scene, const light::BeamSheet<Real>& sheet);
 
-    /// Whether nothing can stand between the water and receivers. In the sheet's space: rays leave the water
-    /// within `surface` from the depth `nearest` on, and end within `receivers` at depths [low, high].
-    /// `own`: the receivers' object, which cannot hide itself where it is convex.
-    bool free_after_water(const Box<double>& surface, double nearest, const Box<double>& receivers,
-                          double low, double high, std::uint32_t own) const;
-    /// Whether nothing can stand between the light and that part of the water; `farthest`: the depth at which
-    /// the last ray leaves the water.
-    bool free_before_water(const Box<double>& surface, double nearest, double farthest) const;
+    /// Whether nothing can stand between points of the water and receivers; both boxes in the sheet's axes
+    /// and in the world's. `own`: the receivers' object, which cannot hide itself where it is convex.
+    bool free_after_water(const Bounds (&surface)[2], const Bounds (&receivers)[2], std::uint32_t own) const;
+    /// Whether nothing can stand between the light and points of the water, in world axes.
+    bool free_before_water(const Bounds& surface) const;
 
     /// Planes, boxes and spheres: what lies before one of their faces is not hidden by themselves.
     bool convex(std::uint32_t object) const { return objects_[object].convex; }
@@ -34,11 +45,11 @@ public:
 private:
     struct Object {
         bool convex;
-        Bounds across_sheet, across_light, world;
+        Bounds in_sheet, in_world;
     };
-    glm::dmat3 sheet_from_world_, world_from_sheet_, light_from_world_;
-    bool sun_;
-    glm::dvec3 light_position_;
+    glm::dvec3 to_sun_;  ///< 0: a lamp
+    glm::dvec3 lamp_;
+    double beyond_ = 0;  ///< m, a way along which a sun's ray has passed all objects
     std::vector<Object> objects_;
 };
 

@@ -12,9 +12,8 @@ namespace {
 constexpr std::size_t kPairsAtOnce = 4096;
 
 template <class Real>
-Box<double> in_double(const Box<Real>& b) {
-    return {static_cast<double>(b.low_a), static_cast<double>(b.high_a), static_cast<double>(b.low_b),
-            static_cast<double>(b.high_b)};
+Bounds bounds_of(const Box<Real>& box, Real low, Real high) {
+    return {glm::dvec3(box.low_a, box.low_b, low), glm::dvec3(box.high_a, box.high_b, high)};
 }
 
 }  // namespace
@@ -60,16 +59,15 @@ void Tile<Real>::place_receivers(std::span<const Receiver<Real>> receivers) {
 template <class Real>
 void Tile<Real>::run() {
     if (locals_.empty()) return;
-    below_surface_ = low_ > sheet_.last_start_;
     // Every ray meets the front of every receiver's plane.
     const bool facing = std::all_of(locals_.begin(), locals_.end(), [&](const Local& local) {
         const Vec3<Real>& n = local.receiver.normal;
         return std::abs(n.x) * sheet_.steepest_a_ + std::abs(n.y) * sheet_.steepest_b_ < Real(-0.99) * n.z;
     });
-    whole_allowed_ = facing && below_surface_;
+    whole_allowed_ = facing;
     find_nodes();
     if (clusters_.empty() && nodes_.empty()) return;
-    if (!test_free(object_)) {
+    if (!test_free()) {
         ++counts_.occluded_tiles;
         if (!nodes_.empty()) {  // sums say nothing of single beams
             whole_allowed_ = false;
@@ -88,16 +86,19 @@ template <class Real>
 void Tile<Real>::find_nodes() {
     clusters_.clear();
     nodes_.clear();
+    below_surface_ = true;
     std::vector<NodeId> open{pyramid_.root()};
     while (!open.empty()) {
         const NodeId node = open.back();
         open.pop_back();
-        if (pyramid_.dark(node)) continue;
+        if (pyramid_.dark(node) || pyramid_.sums(node).first_start > high_) continue;
         const Box<Real> box = pyramid_.box(node, low_, high_);
         if (!overlap(box, bounds_)) continue;
+        const bool below = pyramid_.sums(node).last_start < low_;
+        below_surface_ = below_surface_ && (below || node.level > 0);
         if (node.level == 0) {
             clusters_.push_back(node);
-        } else if (whole_allowed_ && 2 * (box.high_a - box.low_a) < least_a_ &&
+        } else if (whole_allowed_ && below && 2 * (box.high_a - box.low_a) < least_a_ &&
                    2 * (box.high_b - box.low_b) < least_b_) {
             nodes_.push_back(node);
         } else {
@@ -106,24 +107,34 @@ void Tile<Real>::find_nodes() {
     }
 }
 
+/// Whether the light volume between the water and the receivers, and that before the water, are free of
+/// objects.
 template <class Real>
-bool Tile<Real>::test_free(std::uint32_t object) {
-    constexpr double infinity = std::numeric_limits<double>::infinity();
-    Box<double> surface{infinity, -infinity, infinity, -infinity};
+bool Tile<Real>::test_free() {
+    Bounds surface[2], receivers[2];  // in the sheet's axes and in the world's
     for (const std::vector<NodeId>* nodes : {&clusters_, &nodes_}) {
         for (const NodeId node : *nodes) {
-            const Box<double> box = in_double(pyramid_.box(node, pyramid_.nearest(), sheet_.last_start_));
-            surface.low_a = std::min(surface.low_a, box.low_a);
-            surface.high_a = std::max(surface.high_a, box.high_a);
-            surface.low_b = std::min(surface.low_b, box.low_b);
-            surface.high_b = std::max(surface.high_b, box.high_b);
+            const auto& sums = pyramid_.sums(node);
+            const Box<Real> box = pyramid_.box(node, sums.first_start, sums.last_start);
+            const Bounds part = bounds_of(box, sums.first_start, sums.last_start);
+            for (int i = 0; i < 8; ++i) {
+                surface[0].widen(part.corner(i));
+                surface[1].widen(sheet_.sheet_.world_from_mesh * part.corner(i));
+            }
         }
     }
-    const auto nearest = static_cast<double>(pyramid_.nearest());
-    free_after_ = sheet_.occluders_.free_after_water(
-        surface, nearest, in_double(bounds_), static_cast<double>(low_), static_cast<double>(high_), object);
-    free_before_ =
-        sheet_.occluders_.free_before_water(surface, nearest, static_cast<double>(sheet_.last_start_));
+    for (const Local& local : locals_) {
+        const Receiver<Real>& r = local.receiver;
+        for (const Real i : {Real(-0.5), Real(0.5)}) {
+            for (const Real j : {Real(-0.5), Real(0.5)}) {
+                const glm::dvec3 corner(r.position + i * r.u + j * r.v);
+                receivers[0].widen(corner);
+                receivers[1].widen(sheet_.sheet_.world_from_mesh * corner);
+            }
+        }
+    }
+    free_after_ = sheet_.occluders_.free_after_water(surface, receivers, object_);
+    free_before_ = sheet_.occluders_.free_before_water(surface[1]);
     return free_after_ && free_before_;
 }
 

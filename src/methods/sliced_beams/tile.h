@@ -53,7 +53,7 @@ private:
 
     void place_receivers(std::span<const Receiver<Real>> receivers);
     void find_nodes();
-    bool test_free(std::uint32_t object);
+    bool test_free();
     bool planar() const;
     void land_cluster(NodeId node, const LandingFrame<Real>& frame, LitCluster<Real>& lit);
     LandedTile land_all(const LandingFrame<Real>& frame);
@@ -79,7 +79,7 @@ private:
     Box<Real> bounds_{};
     Real low_ = 0, high_ = 0;         ///< depths of the receivers
     Real least_a_ = 0, least_b_ = 0;  ///< extents of the smallest footprint
-    bool below_surface_ = false;      ///< all receivers lie deeper than any ray's start
+    bool below_surface_ = true;       ///< all receivers lie deeper than the starts of all beams found
     bool whole_allowed_ = false;
     bool free_after_ = true, free_before_ = true;
     std::vector<NodeId> clusters_;
