@@ -159,20 +159,11 @@ private:
         return true;
     }
 
-    /// Mean value theorem: no solution in the box if 0 is outside the range of a component of f. Components
-    /// are taken along the axes and along the principal axes of the image, across which f varies least: near
-    /// a fold, where J has no useful inverse, only these exclude.
+    /// Mean value theorem: no solution in the box if 0 is outside the range of a component of f. It needs no
+    /// inverse of J, and so excludes boxes in the middle of a fold too.
     static bool misses(const Sample& sample, const Interval& f_x, const Interval& f_z, const Matrix& j) {
-        const auto component_misses = [&](double along_x, double along_z) {
-            const Interval f = along_x * f_x + along_z * f_z;
-            const Interval du = along_x * j.xu + along_z * j.zu, dv = along_x * j.xv + along_z * j.zv;
-            return !holds_zero(f + du * sample.radius_x + dv * sample.radius_z);
-        };
-        if (component_misses(1, 0) || component_misses(0, 1)) return true;
-        const double xu = middle(j.xu), xv = middle(j.xv), zu = middle(j.zu), zv = middle(j.zv);
-        const double angle = 0.5 * std::atan2(2 * (xu * zu + xv * zv), xu * xu + xv * xv - zu * zu - zv * zv);
-        const double c = std::cos(angle), s = std::sin(angle);
-        return component_misses(c, s) || component_misses(-s, c);
+        return !holds_zero(f_x + j.xu * sample.radius_x + j.xv * sample.radius_z) ||
+               !holds_zero(f_z + j.zu * sample.radius_x + j.zv * sample.radius_z);
     }
 
     /// K(B) = m - Y f(m) + (I - Y J(B)) (B - m), Y an approximate inverse of J: it holds all solutions of B;
