@@ -41,14 +41,14 @@ struct DepositCells::Builder {
         return key >> (2 * (out.digits_ - 1 - level)) & 3;
     }
 
-    /// The fewest digits at which fewer than 1.5 paths share a cell, on average over cells with any.
+    /// The fewest digits at which fewer than 3.5 paths share a cell, on average over cells with any.
     int own_level(const Quarter& quarter) const {
         std::array<std::size_t, 33> new_cells{};
         for (std::size_t i = quarter.begin + 1; i < quarter.end; ++i) ++new_cells[differs[i]];
         std::size_t cells = 1;
         for (int level = 0; level < out.digits_; ++level) {
             if (level > quarter.level) cells += new_cells[static_cast<std::size_t>(level) - 1];
-            if (level >= quarter.level && 2 * quarter.paths() < 3 * cells) return level;
+            if (level >= quarter.level && 2 * quarter.paths() < 7 * cells) return level;
         }
         return out.digits_;
     }

@@ -18,10 +18,12 @@ struct PathEnd {
 /// path that hits it, and nothing is stored a cell but those paths.
 ///
 /// A chart is a tree of quarters. Its tiles are the largest quarters that at most kTilePaths paths hit and
-/// that these fill to a quarter at least; a tile is cut into 4^k equal cells, as large as the paths are
-/// spaced: k is the least at which fewer than 1.5 paths share a cell. Tiles of few paths, whose spacing means
-/// little, take the size of cells of the quarter around them, and no tile's cells are more than twice as wide
-/// as those that its parent would have. Quarters without paths hold nothing.
+/// that these fill to a quarter at least; a tile is cut into 4^k equal cells, one to two times as wide as the
+/// paths are spaced: k is the least at which fewer than 3.5 paths share a cell. (Smaller cells would leave
+/// gaps between them, and lose what is gained by stratified light.) So where paths and quarters are aligned
+/// they are one to one. Tiles of few paths, whose spacing means little, take the size of cells of the quarter
+/// around them, and no tile's cells are more than twice as wide as those that its parent would have. Quarters
+/// without paths hold nothing.
 class DepositCells {
 public:
     static constexpr std::size_t kTilePaths = 4096;

@@ -52,10 +52,11 @@ SunRay sun_ray(const scene::Light& sun, double random_radius, double random_angl
     return {radius * std::cos(angle) * u + radius * std::sin(angle) * v + cosine * axis, 1 / cosine};
 }
 
-rays::Ray float_ray(const glm::dvec3& origin, const glm::dvec3& direction, float far) {
+rays::Ray float_ray(const glm::dvec3& origin, const glm::dvec3& direction, double near, float far) {
     rays::Ray ray;
     ray.origin = glm::vec3(origin);
     ray.direction = glm::vec3(direction);
+    ray.near = static_cast<float>(near);
     ray.far = far;
     return ray;
 }
@@ -79,7 +80,7 @@ LightTracer::LightTracer(const scene::FrameScene& scene, const rays::RayScene& r
     water_scene_->water = surface_.mesh();
     water_rays_.emplace(*water_scene_);
     water_geometry_.emplace(*water_scene_);
-    lift_ = surface_.chord_error(*water_scene_->water);
+    chord_error_ = surface_.chord_error(*water_scene_->water);
 }
 
 double LightTracer::lowest_elevation(const scene::Light& light) const {
@@ -228,10 +229,10 @@ std::optional<LightTracer::Incoming> LightTracer::illuminate(const LightPass& pa
 void LightTracer::remove_shadowed(const LitBy& by, std::vector<Incoming>& incoming) const {
     const bool sun = by.light.type == scene::LightType::sun;
     std::vector<rays::Ray> to_light;
-    const auto ray_of = [&](const Incoming& light, double lift) {
-        const glm::dvec3 origin = light.point.position + lift * light.side * normalize(light.point.area);
-        return sun ? float_ray(origin, -light.direction, std::numeric_limits<float>::infinity())
-                   : float_ray(origin, by.light.position - scene_.origin - origin, 1);
+    const auto ray_of = [&](const Incoming& light, double near) {  // towards a lamp: its distance is 1
+        const glm::dvec3& origin = light.point.position;
+        return sun ? float_ray(origin, -light.direction, near, std::numeric_limits<float>::infinity())
+                   : float_ray(origin, by.light.position - scene_.origin - origin, near / light.distance, 1);
     };
     if (rays_.has_objects()) {
         for (const Incoming& light : incoming) to_light.push_back(ray_of(light, 0));
@@ -249,7 +250,9 @@ void LightTracer::remove_shadowed(const LitBy& by, std::vector<Incoming>& incomi
     for (std::size_t i = 0; i < incoming.size(); ++i) {
         if (!may_meet_water(incoming[i].direction)) continue;
         tested.push_back(i);
-        to_light.push_back(ray_of(incoming[i], lift_ + size_of(incoming[i].point.position)));
+        to_light.push_back(
+            ray_of(incoming[i], clear_of_water(incoming[i].point.position, incoming[i].direction,
+                                               normalize(incoming[i].point.area))));
     }
     std::vector<rays::Hit> hits(tested.size());
     water_rays_->intersect_water(to_light, hits);
@@ -270,6 +273,13 @@ bool LightTracer::may_meet_water(const glm::dvec3& direction) const {
 double LightTracer::size_of(const glm::dvec3& position) const {
     const glm::dvec3 size = glm::abs(position);
     return 0x1p-20 * (1 + std::max({size.x, size.y, size.z}));
+}
+
+/// Along a ray from a point of the true surface, the way after which it is clear of the triangles about it,
+/// m.
+double LightTracer::clear_of_water(const glm::dvec3& position, const glm::dvec3& direction,
+                                   const glm::dvec3& normal) const {
+    return (chord_error_ + size_of(position)) / std::max(1e-6, std::abs(dot(direction, normal)));
 }
 
 void LightTracer::absorb(glm::dvec3& power, double distance) const {
@@ -294,18 +304,18 @@ void LightTracer::add_branches(const LightRay& from, const glm::dvec3& position,
     }
     LightRay ray = from;
     ray.position = position;
+    ray.lift = glm::dvec3(0);
     ray.left_water = true;
-    const double lift = water_rays_ ? lift_ + size_of(position) : 0;
-    const auto add = [&](double share, const glm::dvec3& direction, double towards, bool in_water) {
+    const auto add = [&](double share, const glm::dvec3& direction, bool in_water) {
         ray.power = share * from.power;
         if (!(mean(ray.power) > from.least_power)) return;
         ray.direction = direction;
-        ray.lift = towards * lift * geometric;
+        ray.clear = water_rays_ ? clear_of_water(position, direction, geometric) : 0;
         ray.in_water = in_water;
         next.push_back(ray);
     };
-    if (refract) add(parts.transmittance, parts.refracted, -1, from_air);
-    if (reflect) add(parts.reflectance, parts.reflected, 1, !from_air);
+    if (refract) add(parts.transmittance, parts.refracted, from_air);
+    if (reflect) add(parts.reflectance, parts.reflected, !from_air);
 }
 
 void LightTracer::meet_water(const LitBy& by, const Incoming& incoming, std::vector<LightRay>& rays) const {
@@ -342,7 +352,7 @@ void LightTracer::follow(std::vector<LightRay>& rays, std::vector<Arrival>& arri
         traced.clear();
         for (const LightRay& ray : rays)
             traced.push_back(
-                float_ray(ray.position + ray.lift, ray.direction, std::numeric_limits<float>::infinity()));
+                float_ray(ray.position + ray.lift, ray.direction, 0, std::numeric_limits<float>::infinity()));
         objects.resize(rays.size());
         rays_.intersect_objects(traced, objects);
         water.assign(rays.size(), rays::Hit{});
@@ -351,8 +361,9 @@ void LightTracer::follow(std::vector<LightRay>& rays, std::vector<Arrival>& arri
             std::size_t count = 0;
             for (std::size_t i = 0; i < rays.size(); ++i) {
                 if (rays[i].left_water && !may_meet_water(rays[i].direction)) continue;
-                traced[i].far = objects[i].distance;
-                traced[count++] = traced[i];
+                traced[count] = traced[i];
+                traced[count].near = static_cast<float>(rays[i].clear);
+                traced[count++].far = objects[i].distance;
                 tested.push_back(i);
             }
             water_hits.resize(count);
@@ -389,6 +400,7 @@ void LightTracer::arrive(LightRay ray, const rays::Hit& hit, std::vector<LightRa
     ray.direction = normalize(mirrored());
     ray.position = point.position;
     ray.lift = size_of(point.position) * geometric;
+    ray.clear = 0;
     ray.power *= material.color;
     ray.left_water = false;
     ++ray.events;
@@ -418,7 +430,7 @@ LightTracer::Crossing LightTracer::true_crossing(const LightRay& ray, const rays
         const double gap = at.y - height;
         const double rate = ray.direction.y - slope_x * ray.direction.x - slope_z * ray.direction.z;
         // Rays that graze the surface cross the triangles but not it: the triangle's place is as good.
-        if (std::abs(rate) < 1e-6 || std::abs(gap / rate) > 1e3 * (lift_ + size_of(ray.position)))
+        if (std::abs(rate) < 1e-6 || std::abs(gap / rate) > 1e3 * (chord_error_ + size_of(ray.position)))
             return crossing;
         distance -= gap / rate;
     }

@@ -75,7 +75,8 @@ private:
     };
     struct LightRay {
         glm::dvec3 position{0};   ///< m, relative to the origin
-        glm::dvec3 lift{0};       ///< m, off the surface that was left, to where rays are traced from
+        glm::dvec3 lift{0};       ///< m, off a mirror that was left, to where rays are traced from
+        double clear = 0;         ///< m of way within which triangles of the water that was left do not count
         glm::dvec3 direction{0};  ///< unit
         glm::dvec3 power{0};      ///< W
         double least_power = 0;   ///< W, mean of the channels: branches below it are not followed
@@ -113,6 +114,8 @@ private:
                       std::vector<LightRay>& next) const;
     bool may_meet_water(const glm::dvec3& direction) const;
     double size_of(const glm::dvec3& position) const;
+    double clear_of_water(const glm::dvec3& position, const glm::dvec3& direction,
+                          const glm::dvec3& normal) const;
     void absorb(glm::dvec3& power, double distance) const;
 
     const scene::FrameScene& scene_;
@@ -126,7 +129,7 @@ private:
     std::optional<scene::FrameScene> water_scene_;
     std::optional<rays::RayScene> water_rays_;
     std::optional<view::SurfaceGeometry> water_geometry_;
-    double lift_ = 0;  ///< m, over the water's triangles, beside the rounding of positions
+    double chord_error_ = 0;  ///< m, of its triangles
 };
 
 }  // namespace dapple::reference

@@ -150,7 +150,8 @@ void Reference::irradiance(FrameContext& context, std::span<const view::Receiver
     }
     const ScopedPass pass(context.stats, "reference light");
     std::vector<std::vector<glm::dvec3>> irradiance;
-    for (;;) {
+    bool traced = false;
+    for (;; traced = true) {
         // The next pass that some layer wants, for all layers that want the same.
         std::optional<std::pair<std::uint64_t, std::uint64_t>> next;
         for (const RoundEstimate* estimate : estimates) {
@@ -183,6 +184,7 @@ void Reference::irradiance(FrameContext& context, std::span<const view::Receiver
         }
         if (wall_seconds() - state.saved_at > kSavePeriod) state.save(context.checkpoint);
     }
+    if (traced) state.save(context.checkpoint);
     for (std::size_t l = 0; l < layers.size(); ++l) {
         count_most(context.stats, "reference standard error", estimates[l]->relative_error(cells[l].paths));
         results[l] = result_of(*estimates[l], cells[l], layers[l].sample == 0 && layers[l].branch == 0);

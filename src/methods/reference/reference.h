@@ -17,11 +17,12 @@ namespace dapple::methods {
 /// its standard error, which "E.variance.R/G/B" (data layers of sample 0, branch 0) hold squared. Rounds grow
 /// until the mean standard error over the mean E is at most ReferenceParameters::standard_error; where
 /// most_rays does not suffice the last round that fits is the answer. A cell of the receivers that straddles
-/// a pixel's edge blurs by a sixteenth of a pixel at most; on planes aligned with the pixels there is none.
+/// a pixel's edge blurs by an eighth of a pixel at most; on planes aligned with the pixels there is none.
 ///
-/// With a checkpoint's file, what is done is kept there every 20 s and when the user wants to end, and read
-/// again by the same job, whose results then have the same bits as those of an undisturbed one. The file
-/// holds all layers of a frame and is left to the caller to remove once the frame is complete.
+/// With a checkpoint's file, what is done is kept there every 20 s, at the end of a call and when the user
+/// wants to end, and read again by the same job, whose results then have the same bits as those of an
+/// undisturbed one. The file holds all layers of a frame and is left to the caller to remove once the frame
+/// is complete.
 ///
 /// Limits: light that leaves the water's rectangle below open water does not meet the rest plane outside it;
 /// branches of later crossings of less than 1e-4 of the light, and chains of more than eight events, end.

@@ -13,7 +13,7 @@ namespace dapple::reference {
 namespace {
 
 /// Cells a shortest wave and triangles at most of the meshes that are made here.
-constexpr double kCellsPerWave = 50;
+constexpr double kCellsPerWave = 100;
 constexpr double kMostTriangles = 4e6;
 
 /// Weights of value and derivative (times the cell) at both ends of a cubic Hermite segment, at t in [0, 1].
