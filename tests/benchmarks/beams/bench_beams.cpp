@@ -1,6 +1,7 @@
-// What sliced_beams costs by itself: beams, pyramid and coverage of a million receivers on a curved and
-// sloped floor, seen in perspective, under 24 waves, without shadow rays. Arguments: cells along x, depth of
-// the floor [m]. cpu_s is process CPU time of all threads.
+// coverage: what sliced_beams costs by itself: beams, pyramid and coverage of a million receivers on a curved
+// and sloped floor, seen in perspective, under 24 waves, without shadow rays. Arguments: cells along x, depth
+// of the floor [m]. level_floor: a 512^2 level floor 2 m down with all that it needs, and its L1 distance
+// from the light under a mesh of 4096^2 cells. cpu_s is process CPU time of all threads.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
@@ -94,6 +95,27 @@ view::ReceiverLayer floor_layer(const scene::FrameState& state, double depth) {
     return layer;
 }
 
+/// The irradiance of a layer, and what it cost beside tracing and sorting the beams.
+std::vector<glm::vec3> irradiance_of(const SheetCoverage<float>& sheet, const view::ReceiverLayer& layer,
+                                     const scene::Clip& clip, QueryCounts& all) {
+    const LayerTiles tiles(layer, clip);
+    std::vector<QueryCounts> counts(tiles.count());
+    std::vector<glm::vec3> result(layer.pixels(), glm::vec3(0));
+    parallel_for(tiles.count(), 4, [&](std::size_t begin, std::size_t end) {
+        std::vector<glm::vec3> irradiance;
+        for (std::size_t tile = begin; tile < end; ++tile) {
+            for (const ReceiverGroup& group : tiles.groups(tile)) {
+                irradiance.assign(group.pixels.size(), glm::vec3(0));
+                sheet.add(group.receivers, group.object, irradiance, counts[tile]);
+                for (std::size_t i = 0; i < irradiance.size(); ++i) result[group.pixels[i]] = irradiance[i];
+            }
+        }
+    });
+    all = QueryCounts();
+    for (const QueryCounts& c : counts) all.add(c);
+    return result;
+}
+
 void coverage(benchmark::State& bench) {
     const double depth = static_cast<double>(bench.range(1));
     scene::FrameScene scene;
@@ -111,27 +133,14 @@ void coverage(benchmark::State& bench) {
         const SheetCoverage<float> sheet(scene, rays, std::move(sheets.front()),
                                          static_cast<float>(1.3 * depth + 1));
         const double built = cpu_seconds();
-        const LayerTiles tiles(layer, scene.state.clip);
-        std::vector<QueryCounts> counts(tiles.count());
-        std::vector<double> sums(tiles.count());
-        parallel_for(tiles.count(), 4, [&](std::size_t begin, std::size_t end) {
-            std::vector<glm::vec3> irradiance;
-            for (std::size_t tile = begin; tile < end; ++tile) {
-                for (const ReceiverGroup& group : tiles.groups(tile)) {
-                    irradiance.assign(group.pixels.size(), glm::vec3(0));
-                    sheet.add(group.receivers, group.object, irradiance, counts[tile]);
-                    for (const glm::vec3& e : irradiance) sums[tile] += static_cast<double>(e.y);
-                }
-            }
-        });
+        const std::vector<glm::vec3> irradiance = irradiance_of(sheet, layer, scene.state.clip, all);
         const double done = cpu_seconds();
         beams_s += traced - before;
         pyramid_s += built - traced;
         coverage_s += done - built;
         mean = 0;
-        for (const double s : sums) mean += s / static_cast<double>(layer.pixels());
-        all = QueryCounts();
-        for (const QueryCounts& c : counts) all.add(c);
+        for (const glm::vec3& e : irradiance)
+            mean += static_cast<double>(e.y) / static_cast<double>(layer.pixels());
     }
     const double n = static_cast<double>(bench.iterations());
     bench.counters["triangles_M"] = static_cast<double>(scene.water->mesh.triangles.size()) * 1e-6;
@@ -146,10 +155,86 @@ BENCHMARK(coverage)
     ->Args({1024, 2})
     ->Args({2048, 2})
     ->Args({4096, 2})
+    ->Args({1024, 1})
+    ->Args({1024, 4})
     ->Args({512, 8})
     ->Args({1024, 8})
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
+
+/// 512^2 pixels over the middle 4 m x 4 m of a level floor 2 m down.
+view::ReceiverLayer level_layer() {
+    constexpr int kPixels = 512;
+    constexpr float kPixel = 4.0f / kPixels;
+    view::ReceiverLayer layer;
+    layer.width = layer.height = kPixels;
+    layer.flags.assign(layer.pixels(), view::kReceiver | view::kInWater);
+    layer.object.assign(layer.pixels(), 0);
+    layer.footprint_u.assign(layer.pixels(), {kPixel, 0, 0});
+    layer.footprint_v.assign(layer.pixels(), {0, 0, kPixel});
+    layer.shading_normal.assign(layer.pixels(), {0, 1, 0});
+    for (int row = 0; row < kPixels; ++row)
+        for (int column = 0; column < kPixels; ++column)
+            layer.position.emplace_back((static_cast<float>(column) + 0.5f) * kPixel - 2, -2,
+                                        (static_cast<float>(row) + 0.5f) * kPixel - 2);
+    return layer;
+}
+
+struct Measured {
+    std::vector<glm::vec3> irradiance;
+    double surface_s = 0, ray_scene_s = 0, beams_s = 0, coverage_s = 0;  ///< CPU
+};
+
+/// Everything of a frame but the camera's side, the light on a level floor.
+Measured light_level_floor(int cells, const view::ReceiverLayer& layer) {
+    Measured measured;
+    FrameStats stats;
+    scene::FrameScene scene;
+    scene.state = sea(cells);
+    double before = cpu_seconds();
+    const auto lap = [&] {
+        const double now = cpu_seconds(), taken = now - before;
+        before = now;
+        return taken;
+    };
+    scene.water = std::make_shared<scene::WaterMesh>(ocean::WaterSurface(*scene.state.water).mesh(0));
+    measured.surface_s = lap();
+    const rays::RayScene rays(scene);
+    measured.ray_scene_s = lap();
+    auto sheets = light::water_beams<float>(scene, rays, {0, light::Event::transmission}, 1, stats);
+    const SheetCoverage<float> sheet(scene, rays, std::move(sheets.front()), 3.0f);
+    measured.beams_s = lap();
+    QueryCounts counts;
+    measured.irradiance = irradiance_of(sheet, layer, scene.state.clip, counts);
+    measured.coverage_s = lap();
+    return measured;
+}
+
+void level_floor(benchmark::State& bench) {
+    const view::ReceiverLayer layer = level_layer();
+    static const std::vector<glm::vec3> finest = light_level_floor(4096, layer).irradiance;
+    Measured sum, last;
+    for (auto _ : bench) {
+        last = light_level_floor(static_cast<int>(bench.range(0)), layer);
+        sum.surface_s += last.surface_s;
+        sum.ray_scene_s += last.ray_scene_s;
+        sum.beams_s += last.beams_s;
+        sum.coverage_s += last.coverage_s;
+    }
+    double difference = 0, light = 0;
+    for (std::size_t i = 0; i < finest.size(); ++i) {
+        difference += static_cast<double>(std::abs(last.irradiance[i].y - finest[i].y));
+        light += static_cast<double>(finest[i].y);
+    }
+    const double n = static_cast<double>(bench.iterations());
+    bench.counters["surface_cpu_s"] = sum.surface_s / n;
+    bench.counters["ray_scene_cpu_s"] = sum.ray_scene_s / n;
+    bench.counters["beams_cpu_s"] = sum.beams_s / n;
+    bench.counters["coverage_cpu_s"] = sum.coverage_s / n;
+    bench.counters["all_cpu_s"] = (sum.surface_s + sum.ray_scene_s + sum.beams_s + sum.coverage_s) / n;
+    bench.counters["L1_percent"] = 100 * difference / light;
+}
+BENCHMARK(level_floor)->Arg(512)->Arg(1024)->Arg(2048)->Unit(benchmark::kMillisecond)->UseRealTime();
 
 }  // namespace
 
