@@ -138,7 +138,7 @@ struct ReferenceParameters {
 };
 
 struct Caustics {
-    std::string method = "photon_splatting";
+    std::string method = "sliced_beams";
     SlicedBeamsParameters sliced_beams;
     ReferenceParameters reference;
     PhotonSplattingParameters photon_splatting;
