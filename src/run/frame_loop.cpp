@@ -325,8 +325,8 @@ private:
 
 double largest_frame_bytes(const scene::Clip& clip) {
     // Float channels and 4 half ones, as if nothing were compressed.
-    constexpr std::size_t channels = render::Film::kOwnChannels + render::Film::kMostMethodChannels;
-    return static_cast<double>(clip.width) * static_cast<double>(clip.height) * (channels * 4 + 4 * 2);
+    constexpr double channels{render::Film::kOwnChannels + render::Film::kMostMethodChannels};
+    return static_cast<double>(clip.width) * static_cast<double>(clip.height) * (channels * 4 + 8);
 }
 
 void check_memory(const FrameSource& source, const FrameSet& frames, std::uint64_t max_memory) {

@@ -95,6 +95,37 @@ TEST(Render, AFrameHasTheSameBitsHoweverItIsMade) {
     EXPECT_TRUE(file_text(scratch / "killed/small.mp4") == file_text(scratch / "whole/small.mp4"));
 }
 
+TEST(Render, AnInterruptedReferenceGoesOnAndGivesTheSameBits) {
+    const ScratchFolder scratch;
+    const std::vector<std::string> job = {"--set", "caustics={method: reference, standard_error: 0.5 %}",
+                                          "--set", "clip.resolution=[16, 9]",
+                                          "--set", "clip.samples=1",
+                                          "-f",    "1"};
+    const auto arguments = [&](const std::string& folder) {
+        std::vector<std::string> all = {"render", kSmall, "-o", scratch / folder};
+        all.insert(all.end(), job.begin(), job.end());
+        return all;
+    };
+    ASSERT_EQ(run_dapple(scratch, arguments("whole")).code, 0);
+    const auto whole = pictures_in(scratch / "whole");
+    ASSERT_THAT(whole, SizeIs(2));
+    EXPECT_FALSE(std::filesystem::exists(scratch / "whole/checkpoint"));
+
+    // The frame takes longer than the 0.1 s that it gets: it is broken off, not finished.
+    ChildProcess child(dapple(arguments("broken off")));
+    for (int i = 0; i < 4000 && !std::filesystem::exists(scratch / "broken off/checkpoint"); ++i)
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    child.signal(SIGTERM);
+    EXPECT_EQ(child.wait(), 75);
+    EXPECT_TRUE(std::filesystem::exists(scratch / "broken off/checkpoint/small.0001.partial"));
+    EXPECT_TRUE(pictures_in(scratch / "broken off").empty());
+
+    EXPECT_EQ(run_dapple(scratch, arguments("broken off")).code, 0);
+    EXPECT_TRUE(pictures_in(scratch / "broken off") == whole);
+    EXPECT_FALSE(std::filesystem::exists(scratch / "broken off/checkpoint"));
+}
+
 TEST(Render, StrictFailsAfterTheFramesAreComplete) {
     const ScratchFolder scratch;
     // Photon splatting serves only what the camera sees directly, and says so.
