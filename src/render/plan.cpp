@@ -6,6 +6,7 @@
 
 #include "scene/transform.h"
 #include "view/camera.h"
+#include "view/camera_medium.h"
 
 namespace dapple::render {
 namespace {
@@ -117,7 +118,10 @@ private:
             }
         }
         const scene::Extent& extent = state_.water->extent;
-        camera_may_be_below_ = meets(extent, lowest, highest) && lowest.y < bound;
+        // A camera at the surface is under it.
+        const double margin = view::surface_margin(
+            glm::max(glm::abs(lowest - scene_.origin), glm::abs(highest - scene_.origin)));
+        camera_may_be_below_ = meets(extent, lowest, highest) && lowest.y <= bound + margin;
         camera_may_be_above_ = !(inside(extent, lowest) && inside(extent, highest)) || highest.y > -bound;
     }
 

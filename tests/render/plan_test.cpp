@@ -87,6 +87,16 @@ TEST(Plan, AMethodOfDirectViewsNeedsOnlyTheCamerasSideOfTheWater) {
     EXPECT_EQ(above.chains[0].event, light::Event::reflection);
 }
 
+TEST(Plan, ACameraAtTheSurfaceOfFlatWaterIsUnderIt) {
+    scene::FrameState state = pool();
+    for (const double height : {0.0, 1e-9, -1e-9}) {
+        state.camera.position = {0, height, 0};
+        EXPECT_EQ(render::make_plan(scene_of(state), TellingMethod(false)).chains.size(), 1u) << height;
+    }
+    state.camera.position = {0, 1e-3, 0};
+    EXPECT_EQ(render::make_plan(scene_of(state), TellingMethod(false)).chains.size(), 0u);
+}
+
 TEST(Plan, AnOrthographicCameraMaySeeBothSidesOfTheWater) {
     scene::FrameState state = pool();
     state.objects.push_back(test::level_plane("ceiling", 3, 5));
