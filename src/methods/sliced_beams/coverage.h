@@ -104,23 +104,24 @@ inline Lanes<Real> covered_share(const LandedBeams<Real>& b) {
     using L = Lanes<Real>;
     const L zero{}, one = splat<Real>(1);
     const L base = to_square<Real>(b.y[0]);
-    L area = zero, reach = one;
+    L area = zero;
     for (int k = 0; k < 3; ++k) {
         const int next = (k + 1) % 3;
         area += area_below_edge<Real>(b.x[k], b.y[k], b.x[next], b.y[next], base);
-        reach = greater(reach, greater(magnitude(b.x[k]), magnitude(b.y[k])));
     }
     const L whole = Real(0.5) * doubled_area(b);
     const L low_x = lesser(lesser(b.x[0], b.x[1]), b.x[2]), high_x = greater(greater(b.x[0], b.x[1]), b.x[2]);
     const L low_y = lesser(lesser(b.y[0], b.y[1]), b.y[2]), high_y = greater(greater(b.y[0], b.y[1]), b.y[2]);
-    // Corners are rounded by about epsilon times their distance from the receiver; at 256 times the area
-    // which that is worth, the line is right to a 256th of the beam's width.
+    // Corners are rounded by about epsilon times their distance from the receiver, which is at most the size
+    // of a beam that meets the square, and half; at 256 times the area which that is worth, the line is right
+    // to a 256th of the beam's width. By the size alone, so that all receivers of a tiling take a beam for
+    // the same: else its shares would not sum to 1.
     constexpr Real rounding = Real(256) * std::numeric_limits<Real>::epsilon();
+    const L half = splat<Real>(Real(0.5));
     const L size = greater(high_x - low_x, high_y - low_y);
-    const auto thin = magnitude(whole) <= rounding * reach * size;
+    const auto thin = magnitude(whole) <= rounding * (size + half) * size;
     L share = magnitude(area) / (thin ? one : magnitude(whole));
     if (any(thin)) share = thin ? covered_share_of_longest_edge(b) : share;
-    const L half = splat<Real>(Real(0.5));
     const auto inside = (low_x >= -half) & (high_x <= half) & (low_y >= -half) & (high_y <= half);
     share = inside ? one : lesser(share, one);
     return share > zero ? share : zero;  // also where a corner is not finite
