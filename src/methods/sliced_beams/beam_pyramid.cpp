@@ -23,10 +23,13 @@ void widen(Box<Real>& box, Real a, Real b) {
     box.high_b = std::max(box.high_b, b);
 }
 
+/// By the box of other beams, which may be empty: where none of them carries light.
 template <class Real>
 void widen(Box<Real>& box, const Box<Real>& other) {
-    widen(box, other.low_a, other.low_b);
-    widen(box, other.high_a, other.high_b);
+    box.low_a = std::min(box.low_a, other.low_a);
+    box.high_a = std::max(box.high_a, other.high_a);
+    box.low_b = std::min(box.low_b, other.low_b);
+    box.high_b = std::max(box.high_b, other.high_b);
 }
 
 /// Spreads the lower 16 bits to the even places.
