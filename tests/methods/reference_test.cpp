@@ -176,6 +176,24 @@ TEST(Reference, FlatWaterUnderASun) {
     EXPECT_EQ(frame.stats.counted("reference passes"), 32);
 }
 
+TEST(Reference, DiscOfASun) {
+    // A disc of 60 degrees of even radiance overhead: L the integral of cos(i) T exp(-s d / cos(t)) over it,
+    // where L pi sin(30 deg)^2 is the irradiance across the sun.
+    scene::FrameState state = small_pool(4, 1, 1, 32);
+    state.lights = {test::sun_from_zenith(0)};
+    state.lights[0].angular_diameter = 60 * scene::kDegree;
+    state.caustics.reference = kOneRound;
+    double e = 0;
+    constexpr int steps = 2000;
+    for (int i = 0; i < steps; ++i) {
+        const double zenith = 30 * (i + 0.5) / steps;
+        const test::FlatFloor at = test::flat_floor(zenith, 1, state.water->refractive_index);
+        e += 2 * std::sin(glm::radians(zenith)) * glm::radians(30.0 / steps) * at.irradiance *
+             std::exp(-state.water->absorption.x * at.way) / 0.25;
+    }
+    expect_agreement(agreement(Frame(state).render(), std::vector<double>(1024, 3 * e)));
+}
+
 TEST(Reference, AlignedPixelsOfAFloorAreExact) {
     // A light straight down through flat water, strata of a 64th of a pixel (65536 on 32^2 pixels of the
     // very extent): each falls into its pixel, so that no error is left but that of rounding.
@@ -406,6 +424,41 @@ TEST(Reference, CatchesAllTransmittedLight) {
     const Catch on_triangles = caught(read, flux);
     printf("caught from triangles %.6f +- %.6f\n", on_triangles.share, on_triangles.error);
     EXPECT_NEAR(on_triangles.share, 1, 1e-4 + 3 * on_triangles.error);
+}
+
+TEST(Reference, CatchesTheLightOfASpectrum) {
+    // The pool ends between pixels, since those count the receivers of one medium only.
+    scene::FrameState state = small_pool(2, 0.5, 4, 64);
+    state.objects[0].size = {4, 1, 4};
+    state.camera.position.y = -0.4;  // below all troughs
+    state.water->absorption = glm::dvec3(0);
+    state.water->surface.type = scene::WaterSurfaceType::spectrum;
+    state.water->surface.spectrum.wind_speed = 2;
+    state.water->surface.spectrum.cutoff_length = 0.25;
+    state.lights = {test::sun_from_zenith(40)};
+    state.lights[0].irradiance = glm::dvec3(1);
+    state.caustics.reference = kOneRound;
+    Frame frame(state);
+    // The sea is periodic, so that the mean over the points of its grid is an integral.
+    const ocean::SurfaceGrid grid = ocean::WaterSurface(*state.water).grid(0, ocean::kSlope);
+    double flux = 0, steepest = 0;
+    for (int row = 0; row + 1 < grid.rows; ++row) {
+        for (int column = 0; column + 1 < grid.columns; ++column) {
+            const auto at = static_cast<std::size_t>(row * grid.columns + column);
+            const glm::dvec3 normal(-grid[ocean::Field::slope_x][at], 1, -grid[ocean::Field::slope_z][at]);
+            const double facing = -dot(state.lights[0].direction, normal);
+            const double angle = std::acos(std::min(1.0, facing / length(normal)));
+            flux += facing * (1 - refract(angle, 1, state.water->refractive_index).reflectance);
+            steepest = std::max(steepest, std::hypot(normal.x, normal.z));
+        }
+    }
+    ASSERT_GT(steepest, 0.1);  // it has waves, which the camera does not meet
+    ASSERT_LT(frame.scene.water->largest_height, 0.3);
+    flux *= 4.0 / ((grid.rows - 1) * (grid.columns - 1));
+    const Catch found = caught(frame, flux);
+    printf("caught %.6f +- %.6f\n", found.share, found.error);
+    EXPECT_NEAR(found.share, 1, 3 * found.error);
+    EXPECT_NEAR(found.share, 1, 1e-4);
 }
 
 TEST(Reference, WavesShadowEachOther) {

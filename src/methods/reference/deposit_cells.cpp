@@ -125,7 +125,8 @@ DepositCells::Cell DepositCells::find(std::uint64_t key) const {
         at = nodes_[static_cast<std::size_t>(at)].child[key >> shift & 3];
     }
     if (at == kNothing) return {};
-    const Tile& tile = tiles_[static_cast<std::size_t>(~at)];
+    const std::int32_t number = ~at;
+    const Tile& tile = tiles_[static_cast<std::size_t>(number)];
     const int cell_level = tile.level + tile.cell_digits;
     const std::uint64_t mask = (std::uint64_t{1} << (2 * tile.cell_digits)) - 1;
     const std::size_t cell = tile.first_cell + (key >> (2 * (digits_ - cell_level)) & mask);

@@ -35,6 +35,19 @@ inline Split split(const glm::dvec3& incident, const glm::dvec3& normal, double 
     return result;
 }
 
+/// Power after `distance` m of water; `absorption` is per m and channel.
+inline glm::dvec3 absorbed(const glm::dvec3& power, const glm::dvec3& absorption, double distance) {
+    return absorption == glm::dvec3(0) ? power : power * glm::exp(-distance * absorption);
+}
+
+inline double mean(const glm::dvec3& color) {
+    return (color.x + color.y + color.z) / 3;
+}
+
+inline bool finite(const glm::dvec3& v) {
+    return std::isfinite(v.x + v.y + v.z);
+}
+
 /// A spot's intensity over that on its axis: 1 inside the inner cone, 0 outside the outer one, and the cubic
 /// 3 x^2 - 2 x^3 of the cosine's place between the two.
 inline double spot_share(double cosine, double cone_angle, double falloff_angle) {

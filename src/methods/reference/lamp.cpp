@@ -1,0 +1,220 @@
+#include "methods/reference/lamp.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "base/hash.h"
+#include "methods/reference/own_optics.h"
+
+namespace dapple::reference {
+namespace {
+
+/// Random numbers of a stratum, by what they are for; each light has kDimensions of its own.
+enum Dimension : std::uint32_t { kAlong, kAcross, kFacet, kDiscRadius, kDiscAngle, kDimensions };
+
+double random_number(const scene::FrameState& state, const LightPass& pass, std::uint32_t light,
+                     std::size_t stratum, Dimension dimension) {
+    const std::uint64_t seed = state.clip.seed + 0x9e3779b97f4a7c15 * pass.strata;
+    return hash_uniform(seed, static_cast<std::uint64_t>(state.frame), pass.number << 40 | stratum,
+                        light * kDimensions + dimension);
+}
+
+/// A direction of the sun's disc, evenly over the disc as seen on a plane that faces it, and the irradiance
+/// on a plane across that very direction, over the sun's.
+struct SunRay {
+    glm::dvec3 direction;
+    double irradiance;
+};
+SunRay sun_ray(const scene::Light& sun, double random_radius, double random_angle) {
+    if (!(sun.angular_diameter > 0)) return {sun.direction, 1};
+    const double radius = std::sin(0.5 * sun.angular_diameter) * std::sqrt(random_radius);
+    const double angle = 2 * std::numbers::pi * random_angle;
+    const glm::dvec3 axis = sun.direction;
+    const glm::dvec3 other = std::abs(axis.x) < 0.5 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 0, 1);
+    const glm::dvec3 u = normalize(cross(axis, other));
+    const glm::dvec3 v = cross(axis, u);
+    const double cosine = std::sqrt(1 - radius * radius);
+    return {radius * std::cos(angle) * u + radius * std::sin(angle) * v + cosine * axis, 1 / cosine};
+}
+
+}  // namespace
+
+Lamp::Lamp(const scene::FrameScene& scene, const rays::RayScene& rays, const WaterRays& water,
+           std::uint32_t index)
+    : scene_(scene), rays_(rays), water_(water), light_(scene.state.lights[index]), index_(index) {
+    const TrueSurface& surface = water.surface();
+    if (light_.type != scene::LightType::sun) {
+        from_above_ = light_.position.y > -surface.highest();
+        from_below_ = light_.position.y < surface.highest();
+    }
+    waves_may_shadow_ = lowest_elevation() <= std::atan(surface.steepest()) &&
+                        (surface.highest() > 0 || !surface.is_height_field());
+}
+
+double Lamp::lowest_elevation() const {
+    if (light_.type == scene::LightType::sun)
+        return std::asin(std::clamp(-light_.direction.y, -1.0, 1.0)) - 0.5 * light_.angular_diameter;
+    const scene::Extent& extent = scene_.state.water->extent;
+    const glm::dvec2 place(light_.position.x, light_.position.z);
+    const glm::dvec2 reach = glm::abs(place - extent.center) + 0.5 * extent.size;
+    return std::atan2(std::abs(light_.position.y) - water_.surface().highest(), length(reach));
+}
+
+Lamp::Grid Lamp::grid(const LightPass& pass) const {
+    if (!water_.surface().is_height_field()) return {pass.strata, 1};
+    const glm::dvec2 size = scene_.state.water->extent.size;
+    const auto wanted = static_cast<double>(pass.strata);
+    const auto columns =
+        static_cast<std::size_t>(std::max(1.0, std::round(std::sqrt(wanted * size.x / size.y))));
+    return {columns, (pass.strata + columns - 1) / columns};
+}
+
+std::size_t Lamp::strata(const LightPass& pass) const {
+    const Grid size = grid(pass);
+    return size.columns * size.rows;
+}
+
+/// As many equal stretches along the numbers of the triangles as there are strata, and a random point of the
+/// triangle in each.
+std::vector<WaterPoint> Lamp::sample_triangles(const LightPass& pass, std::size_t begin,
+                                               std::size_t end) const {
+    const std::size_t count = end - begin;
+    std::vector<WaterPoint> points(count);
+    const Grid size = grid(pass);
+    const scene::TriangleMesh& mesh = water_.mesh();
+    const double stretch = static_cast<double>(mesh.triangles.size()) / static_cast<double>(size.columns);
+    for (std::size_t i = 0; i < count; ++i) {
+        const std::size_t stratum = begin + i;
+        const double place = stretch * (static_cast<double>(stratum) +
+                                        random_number(scene_.state, pass, index_, stratum, kFacet));
+        const glm::uvec3 corner =
+            mesh.triangles[std::min(mesh.triangles.size() - 1, static_cast<std::size_t>(place))];
+        const double root = std::sqrt(random_number(scene_.state, pass, index_, stratum, kAlong));
+        const double v = root * random_number(scene_.state, pass, index_, stratum, kAcross);
+        const glm::dvec3 weight(1 - root, root - v, v);
+        const auto at = [&](const std::vector<glm::dvec3>& values) {
+            return weight.x * values[corner.x] + weight.y * values[corner.y] + weight.z * values[corner.z];
+        };
+        const glm::dvec3& a = mesh.positions[corner.x];
+        points[i].position = at(mesh.positions) - scene_.origin;
+        points[i].area = 0.5 * stretch * cross(mesh.positions[corner.y] - a, mesh.positions[corner.z] - a);
+        points[i].normal = normalize(at(mesh.normals));
+    }
+    return points;
+}
+
+/// A jittered grid over the extent.
+std::vector<WaterPoint> Lamp::sample_height_field(const LightPass& pass, std::size_t begin,
+                                                  std::size_t end) const {
+    const std::size_t count = end - begin;
+    std::vector<WaterPoint> points(count);
+    const Grid size = grid(pass);
+    const scene::Extent& extent = scene_.state.water->extent;
+    const glm::dvec2 corner = extent.center - 0.5 * extent.size;
+    const glm::dvec2 cell = extent.size / glm::dvec2(size.columns, size.rows);
+    std::vector<double> x(count), z(count), height(count), slope_x(count), slope_z(count);
+    for (std::size_t i = 0; i < count; ++i) {
+        const std::size_t stratum = begin + i;
+        x[i] = corner.x + cell.x * (static_cast<double>(stratum % size.columns) +
+                                    random_number(scene_.state, pass, index_, stratum, kAcross));
+        const std::size_t row = stratum / size.columns;
+        z[i] = corner.y + cell.y * (static_cast<double>(row) +
+                                    random_number(scene_.state, pass, index_, stratum, kAlong));
+    }
+    water_.surface().evaluate(x, z, height, slope_x, slope_z);
+    for (std::size_t i = 0; i < count; ++i) {
+        const glm::dvec3 upwards(-slope_x[i], 1, -slope_z[i]);
+        points[i].position = glm::dvec3(x[i], height[i], z[i]) - scene_.origin;
+        points[i].area = cell.x * cell.y * upwards;
+        points[i].normal = normalize(upwards);
+    }
+    return points;
+}
+
+std::optional<Incoming> Lamp::illuminate(const LightPass& pass, const WaterPoint& point,
+                                         std::size_t stratum) const {
+    Incoming incoming;
+    incoming.point = point;
+    glm::dvec3 across;  // W/m^2 on a plane across the light
+    if (light_.type == scene::LightType::sun) {
+        const SunRay ray = sun_ray(light_, random_number(scene_.state, pass, index_, stratum, kDiscRadius),
+                                   random_number(scene_.state, pass, index_, stratum, kDiscAngle));
+        if (!(ray.direction.y < 0)) return {};
+        incoming.direction = ray.direction;
+        incoming.distance = std::numeric_limits<double>::infinity();
+        across = ray.irradiance * light_.irradiance;
+    } else {
+        const glm::dvec3 way = point.position - (light_.position - scene_.origin);
+        incoming.distance = length(way);
+        incoming.direction = way / incoming.distance;
+        const double share = light_.type == scene::LightType::spot
+                                 ? spot_share(dot(incoming.direction, light_.direction), light_.cone_angle,
+                                              light_.falloff_angle)
+                                 : 1;
+        across = share / (incoming.distance * incoming.distance) * light_.intensity;
+    }
+    const double facing = -dot(point.area, incoming.direction);
+    incoming.side = facing > 0 ? 1 : -1;
+    if (!(incoming.side > 0 ? from_above_ : from_below_)) return {};
+    incoming.power = std::abs(facing) * across;
+    if (incoming.side < 0)
+        incoming.power = absorbed(incoming.power, scene_.state.water->absorption, incoming.distance);
+    if (!finite(incoming.power) || !(mean(incoming.power) > 0)) return {};
+    return incoming;
+}
+
+void Lamp::remove_hidden(std::vector<Incoming>& incoming) const {
+    const bool sun = light_.type == scene::LightType::sun;
+    std::vector<rays::Ray> to_light;
+    const auto ray_of = [&](const Incoming& light, double near) {  // towards a lamp: its distance is 1
+        const glm::dvec3& origin = light.point.position;
+        return sun ? float_ray(origin, -light.direction, near, std::numeric_limits<float>::infinity())
+                   : float_ray(origin, light_.position - scene_.origin - origin, near / light.distance, 1);
+    };
+    if (rays_.has_objects()) {
+        for (const Incoming& light : incoming) to_light.push_back(ray_of(light, 0));
+        std::vector<std::uint8_t> occluded(incoming.size());
+        rays_.occluded_by_objects(to_light, occluded);
+        std::size_t kept = 0;
+        for (std::size_t i = 0; i < incoming.size(); ++i) {
+            if (occluded[i] == 0) incoming[kept++] = incoming[i];
+        }
+        incoming.resize(kept);
+    }
+    if (!waves_may_shadow_) return;
+    to_light.clear();
+    std::vector<std::size_t> tested;
+    for (std::size_t i = 0; i < incoming.size(); ++i) {
+        if (!water_.may_return(incoming[i].direction)) continue;
+        tested.push_back(i);
+        to_light.push_back(
+            ray_of(incoming[i], water_.clear_of_water(incoming[i].point.position, incoming[i].direction,
+                                                      normalize(incoming[i].point.area))));
+    }
+    std::vector<rays::Hit> hits(tested.size());
+    water_.intersect(to_light, hits);
+    std::vector<std::uint8_t> dark(incoming.size(), 0);
+    for (std::size_t i = 0; i < tested.size(); ++i) dark[tested[i]] = hits[i].primitive != rays::kNoHit;
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < incoming.size(); ++i) {
+        if (dark[i] == 0) incoming[kept++] = incoming[i];
+    }
+    incoming.resize(kept);
+}
+
+std::vector<Incoming> Lamp::shine(const LightPass& pass, std::size_t begin, std::size_t end) const {
+    const std::vector<WaterPoint> points = water_.surface().is_height_field()
+                                               ? sample_height_field(pass, begin, end)
+                                               : sample_triangles(pass, begin, end);
+    std::vector<Incoming> incoming;
+    incoming.reserve(points.size());
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        if (const auto lit = illuminate(pass, points[i], begin + i)) incoming.push_back(*lit);
+    }
+    remove_hidden(incoming);
+    return incoming;
+}
+
+}  // namespace dapple::reference

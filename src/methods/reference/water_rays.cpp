@@ -1,0 +1,63 @@
+#include "methods/reference/water_rays.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace dapple::reference {
+
+double rounding_of(const glm::dvec3& position) {
+    const glm::dvec3 size = glm::abs(position);
+    return 0x1p-20 * (1 + std::max({size.x, size.y, size.z}));
+}
+
+rays::Ray float_ray(const glm::dvec3& origin, const glm::dvec3& direction, double near, float far) {
+    rays::Ray ray;
+    ray.origin = glm::vec3(origin);
+    ray.direction = glm::vec3(direction);
+    ray.near = static_cast<float>(near);
+    ray.far = far;
+    return ray;
+}
+
+void WaterRays::build() {
+    fine_scene_ = scene_;
+    fine_scene_->water = surface_.mesh();
+    rays_.emplace(*fine_scene_);
+    geometry_.emplace(*fine_scene_);
+    chord_error_ = surface_.chord_error(*fine_scene_->water);
+}
+
+bool WaterRays::may_return(const glm::dvec3& direction) const {
+    return std::abs(direction.y) <= surface_.steepest() * std::hypot(direction.x, direction.z);
+}
+
+double WaterRays::clear_of_water(const glm::dvec3& position, const glm::dvec3& direction,
+                                 const glm::dvec3& normal) const {
+    return (chord_error_ + rounding_of(position)) / std::max(1e-6, std::abs(dot(direction, normal)));
+}
+
+WaterCrossing WaterRays::crossing(const glm::dvec3& origin, const glm::dvec3& direction,
+                                  const rays::Hit& hit) const {
+    const view::SurfacePoint point = geometry_->water_point(hit, origin, direction);
+    WaterCrossing crossing{point.distance, point.position, point.geometric_normal, point.shading_normal};
+    if (!surface_.is_height_field()) return crossing;
+    double distance = point.distance;
+    double height = 0, slope_x = 0, slope_z = 0;
+    for (int step = 0; step < 4; ++step) {
+        const glm::dvec3 at = origin + distance * direction + scene_.origin;
+        surface_.evaluate(std::span(&at.x, 1), std::span(&at.z, 1), std::span(&height, 1),
+                          std::span(&slope_x, 1), std::span(&slope_z, 1));
+        const double gap = at.y - height;
+        const double rate = direction.y - slope_x * direction.x - slope_z * direction.z;
+        // Rays that graze the surface cross the triangles but not it: the triangle's place is as good.
+        if (std::abs(rate) < 1e-6 || std::abs(gap / rate) > 1e3 * (chord_error_ + rounding_of(origin)))
+            return crossing;
+        distance -= gap / rate;
+    }
+    crossing.distance = distance;
+    crossing.position = origin + distance * direction;
+    crossing.geometric_normal = crossing.shading_normal = normalize(glm::dvec3(-slope_x, 1, -slope_z));
+    return crossing;
+}
+
+}  // namespace dapple::reference
