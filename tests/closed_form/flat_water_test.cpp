@@ -100,6 +100,7 @@ TEST(FlatWaterStandIn, ServesOpenWaterBeyondTheExtentInTheBeautyOnly) {
 TEST(FlatWaterStandIn, ServesWhatAMirrorShows) {
     // A mirror under the camera's eyes, 45 degrees, shows the floor beside it.
     scene::FrameState state = state_under(0, 0.2);
+    state.caustics.method = "photon_splatting";  // which serves direct views only
     scene::Object mirror = test::level_plane("mirror", -1, 0.6);
     mirror.transform.rotation.z = glm::radians(45.0);
     mirror.material.mirror = true;
@@ -145,6 +146,7 @@ TEST_P(FlatWater, PictureFromAboveIsTheStandInThroughTheSurface) {
     const double shift = kDepth * std::tan(std::asin(std::sin(glm::radians(GetParam())) / kIndex));
     state.camera.position = {shift, 1, 0};
     state.camera.target = {shift, 0, 0};
+    state.caustics.method = "photon_splatting";  // which serves direct views only
     state.water->extent.kind = scene::ExtentKind::open_water;
     state.lights = {test::sun_from_zenith(GetParam())};
     const render::RenderedFrame frame = render_frame(state);
