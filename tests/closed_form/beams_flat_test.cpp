@@ -114,6 +114,53 @@ TEST_P(BeamsFlat, TheMirroredSunLightsCeilingsAndWalls) {
     }
 }
 
+TEST(BeamsWaveBand, ALevelReceiverAmongTheWavesIsLitUnderCrestsOnly) {
+    // h = a cos(kx), overhead sun, receivers on the rest plane: rays leave the water above it only where
+    // h > 0, and then land at x + h tan(delta).
+    constexpr double a = 0.02, wave = 2 * glm::pi<double>() / 0.5, pixel = 0.01;
+    scene::FrameScene scene = test::scene_of_water({2, 1}, 2000, 1, [](double x, double) {
+        return a * glm::dvec3(std::cos(wave * x), -wave * std::sin(wave * x), 0);
+    });
+    scene.state.lights = {test::sun_from_zenith(0)};
+    scene.state.lights[0].irradiance = {1, 1, 1};
+    const SheetSet<double> sheets(scene, Event::transmission, 1);
+    std::vector<SheetSet<double>::Receiver> receivers;
+    for (int i = 0; i < 100; ++i)
+        receivers.push_back(test::receiver<double>({pixel * (i + 0.5) - 0.5, 0, 0}, {0, 1, 0}, {pixel, 0.3}));
+    const std::vector<glm::dvec3> landed = sheets.irradiance(receivers);
+    // Exact rays, 1 um apart: each brings its flux to where it lands.
+    std::vector<double> exact(100, 0);
+    constexpr int rays = 2000000;
+    for (int i = 0; i < rays; ++i) {
+        const double x = 2 * ((i + 0.5) / rays - 0.5), height = a * std::cos(wave * x);
+        if (height <= 0) continue;
+        const double tilt = std::atan(-a * wave * std::sin(wave * x));
+        const double inside = std::asin(std::sin(tilt) / kIndex);
+        const double s = std::sin(tilt - inside) / std::sin(tilt + inside),
+                     p = std::tan(tilt - inside) / std::tan(tilt + inside);
+        const double transmittance =
+            std::abs(tilt) > 1e-4 ? 1 - 0.5 * (s * s + p * p) : 4 * kIndex / std::pow(kIndex + 1, 2);
+        const double column = (x + height * std::tan(tilt - inside) + 0.5) / pixel;
+        if (column >= 0 && column < 100)
+            exact[static_cast<std::size_t>(column)] += transmittance * 2 / rays / pixel;
+    }
+    double error = 0, sum = 0;
+    int dark = 0;
+    for (std::size_t i = 0; i < 100; ++i) {
+        error += std::abs(landed[i].x - exact[i]);
+        sum += exact[i];
+        if (exact[i] == 0) {
+            EXPECT_EQ(landed[i].x, 0) << i;
+            ++dark;
+        }
+    }
+    printf("among the waves: relative L1 error %.1e, %d of 100 pixels dark\n", error / sum, dark);
+    // The rays' grain is 1e-4 of a pixel, the mesh's error (k cell)^2 / 8 = 2e-5.
+    EXPECT_LT(error / sum, 3e-4);
+    EXPECT_GT(dark, 30);
+    EXPECT_LT(dark, 55);
+}
+
 /// E of a level floor `below` m under flat water, r m from the foot of a lamp of unit intensity `above` m
 /// over it: the cone of rays within the angle i, per area of the ring on which it lands.
 double lamp_irradiance(double r, double above, double below) {
