@@ -144,7 +144,7 @@ Real PointQuery<Real>::margin(const Receiver<Real>& local) const {
 
 /// Nodes that can matter to any of the points: not much larger than the region of all of them.
 template <class Real>
-std::vector<typename PointQuery<Real>::NodeId> PointQuery<Real>::find_nodes(
+std::vector<typename PointQuery<Real>::FoundNode> PointQuery<Real>::find_nodes(
     std::span<const Receiver<Real>> locals) const {
     const BeamPyramid<Real>& pyramid = sheet_.pyramid();
     constexpr Real infinity = std::numeric_limits<Real>::infinity();
@@ -159,7 +159,7 @@ std::vector<typename PointQuery<Real>::NodeId> PointQuery<Real>::find_nodes(
         low = std::min(low, r.position.z - m);
         high = std::max(high, r.position.z + m);
     }
-    std::vector<NodeId> nodes;
+    std::vector<FoundNode> nodes;
     if (pyramid.empty() || high < pyramid.nearest()) return nodes;
     std::vector<NodeId> open{pyramid.root()};
     const Real small_a = (bounds.high_a - bounds.low_a) / 4, small_b = (bounds.high_b - bounds.low_b) / 4;
@@ -170,7 +170,7 @@ std::vector<typename PointQuery<Real>::NodeId> PointQuery<Real>::find_nodes(
         const Box<Real> box = pyramid.box(node, low, high);
         if (!overlap(box, bounds)) continue;
         if (node.level == 0 || (box.high_a - box.low_a < small_a && box.high_b - box.low_b < small_b))
-            nodes.push_back(node);
+            nodes.push_back({node, box});
         else
             pyramid.visit_children(node, [&](NodeId child) { open.push_back(child); });
     }
@@ -179,7 +179,7 @@ std::vector<typename PointQuery<Real>::NodeId> PointQuery<Real>::find_nodes(
 
 template <class Real>
 template <class Visit>
-void PointQuery<Real>::visit_hits(const Receiver<Real>& local, std::span<const NodeId> nodes, bool& fold,
+void PointQuery<Real>::visit_hits(const Receiver<Real>& local, std::span<const FoundNode> nodes, bool& fold,
                                   Visit&& visit) const {
     const BeamPyramid<Real>& pyramid = sheet_.pyramid();
     const LandingFrame<Real> frame(local);
@@ -191,7 +191,9 @@ void PointQuery<Real>::visit_hits(const Receiver<Real>& local, std::span<const N
     // the air.
     const bool turned = glm::dot(glm::cross(local.u, local.v), local.normal) < 0;
     const int upright = turned != sheet_.sheet().in_water() ? 1 : -1;
-    std::vector<NodeId> open(nodes.rbegin(), nodes.rend());
+    std::vector<NodeId> open;
+    for (auto found = nodes.rbegin(); found != nodes.rend(); ++found)
+        if (overlap(found->box, own)) open.push_back(found->node);
     while (!open.empty()) {
         const NodeId node = open.back();
         open.pop_back();
@@ -206,16 +208,21 @@ void PointQuery<Real>::visit_hits(const Receiver<Real>& local, std::span<const N
         for (int c = 0; c < kChunks<Real>; ++c) {
             LandedChunk<Real> landed;
             land(rays, c, frame, landed);
+            const auto& x = landed.beams.x;
+            const auto& y = landed.beams.y;
+            const unsigned around =
+                bits((lesser(lesser(x[0], x[1]), x[2]) <= 0) & (greater(greater(x[0], x[1]), x[2]) >= 0) &
+                     (lesser(lesser(y[0], y[1]), y[2]) <= 0) & (greater(greater(y[0], y[1]), y[2]) >= 0));
             unsigned lanes = bits(landed.lands);
             for (; lanes != 0; lanes &= lanes - 1) {
                 const int lane = __builtin_ctz(lanes);
-                Landed corner[3];
-                for (int k = 0; k < 3; ++k)
-                    corner[k] = {static_cast<float>(landed.beams.x[k][lane]),
-                                 static_cast<float>(landed.beams.y[k][lane])};
                 const std::uint32_t beam = rays.beam[static_cast<std::size_t>(c * kLanes<Real> + lane)];
                 const bool own_fold = may_fold_[beam] != 0 && near_fold(local, frame, beam);
                 fold |= own_fold;
+                if ((around >> lane & 1) == 0) continue;
+                Landed corner[3];
+                for (int k = 0; k < 3; ++k)
+                    corner[k] = {static_cast<float>(x[k][lane]), static_cast<float>(y[k][lane])};
                 const int held = holds(corner[0], corner[1], corner[2]);
                 if (held == 0) continue;
                 PointHit<Real> hit{beam, held * upright, {0, 0, 0}, own_fold};
@@ -289,7 +296,7 @@ void PointQuery<Real>::summarize(std::span<const Receiver<Real>> points,
     std::vector<Receiver<Real>> locals;
     locals.reserve(points.size());
     for (const Receiver<Real>& point : points) locals.push_back(sheet_.rotated(point));
-    const std::vector<NodeId> nodes = find_nodes(locals);
+    const std::vector<FoundNode> nodes = find_nodes(locals);
     if (nodes.empty()) return;
     for (std::size_t i = 0; i < locals.size(); ++i) {
         PointSummary& summary = summaries[i];
@@ -304,7 +311,7 @@ template <class Real>
 std::vector<PointHit<Real>> PointQuery<Real>::hits(const Receiver<Real>& point, bool& fold) const {
     std::vector<PointHit<Real>> found;
     const Receiver<Real> local = sheet_.rotated(point);
-    const std::vector<NodeId> nodes = find_nodes({&local, 1});
+    const std::vector<FoundNode> nodes = find_nodes({&local, 1});
     visit_hits(local, nodes, fold, [&](const PointHit<Real>& hit) { found.push_back(hit); });
     return found;
 }

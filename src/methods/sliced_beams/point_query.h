@@ -44,12 +44,16 @@ private:
     struct Margin {
         Real near = 0, far = 0;  ///< m, largest second difference at the pyramid's two depths
     };
+    struct FoundNode {
+        NodeId node;
+        Box<Real> box;  ///< at all the points' depths
+    };
     Margin second_difference(std::uint32_t beam) const;
     bool may_turn_over(std::uint32_t beam) const;
     Real margin(const Receiver<Real>& local) const;
-    std::vector<NodeId> find_nodes(std::span<const Receiver<Real>> locals) const;
+    std::vector<FoundNode> find_nodes(std::span<const Receiver<Real>> locals) const;
     template <class Visit>
-    void visit_hits(const Receiver<Real>& local, std::span<const NodeId> nodes, bool& fold,
+    void visit_hits(const Receiver<Real>& local, std::span<const FoundNode> nodes, bool& fold,
                     Visit&& visit) const;
     bool near_fold(const Receiver<Real>& local, const LandingFrame<Real>& frame, std::uint32_t beam) const;
 

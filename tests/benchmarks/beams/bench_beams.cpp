@@ -1,7 +1,8 @@
 // coverage: what sliced_beams costs by itself: beams, pyramid and coverage of a million receivers on a curved
 // and sloped floor, seen in perspective, under 24 waves, without shadow rays. Arguments: cells along x, depth
 // of the floor [m]. level_floor: a 512^2 level floor 2 m down with all that it needs, and its L1 distance
-// from the light under a mesh of 4096^2 cells. cpu_s is process CPU time of all threads.
+// from the light under a mesh of 4096^2 cells; waves of 0.25 to 3 m, elsewhere of 0.15 to 1.2 m. cpu_s is
+// process CPU time of all threads.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
@@ -26,8 +27,9 @@ using methods::sliced_beams::SheetCoverage;
 
 constexpr int kSide = 1024;
 
-/// Lengths of 0.15 to 1.2 m in equal ratios, amplitude 0.0032 of the length, in all directions.
-scene::FrameState sea(int cells) {
+/// Lengths from `shortest` to `longest`, m, in equal ratios, amplitude 0.0032 of the length, in all
+/// directions.
+scene::FrameState sea(int cells, double shortest, double longest) {
     scene::FrameState state;
     state.clip.width = state.clip.height = kSide;
     state.clip.samples = 1;
@@ -36,7 +38,7 @@ scene::FrameState sea(int cells) {
     water.mesh_cells = cells;
     for (int i = 0; i < 24; ++i) {
         scene::Wave wave;
-        wave.length = 0.15 * std::pow(8.0, i / 23.0);
+        wave.length = shortest * std::pow(longest / shortest, i / 23.0);
         wave.heading = 2.399963229728653 * i;
         wave.amplitude = 0.0032 * wave.length;
         wave.phase = 1.7 * i * i;
@@ -119,7 +121,7 @@ std::vector<glm::vec3> irradiance_of(const SheetCoverage<float>& sheet, const vi
 void coverage(benchmark::State& bench) {
     const double depth = static_cast<double>(bench.range(1));
     scene::FrameScene scene;
-    scene.state = sea(static_cast<int>(bench.range(0)));
+    scene.state = sea(static_cast<int>(bench.range(0)), 0.15, 1.2);
     scene.water = std::make_shared<scene::WaterMesh>(ocean::WaterSurface(*scene.state.water).mesh(0));
     const rays::RayScene rays(scene);
     const view::ReceiverLayer layer = floor_layer(scene.state, depth);
@@ -190,7 +192,7 @@ Measured light_level_floor(int cells, const view::ReceiverLayer& layer) {
     Measured measured;
     FrameStats stats;
     scene::FrameScene scene;
-    scene.state = sea(cells);
+    scene.state = sea(cells, 0.25, 3);
     double before = cpu_seconds();
     const auto lap = [&] {
         const double now = cpu_seconds(), taken = now - before;
