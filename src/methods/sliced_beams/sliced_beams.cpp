@@ -6,6 +6,7 @@
 
 #include "base/parallel.h"
 #include "light/water_beams.h"
+#include "methods/sliced_beams/coverage_pass.h"
 #include "methods/sliced_beams/layer_tiles.h"
 #include "methods/sliced_beams/point_query.h"
 #include "methods/sliced_beams/sheet_coverage.h"
@@ -14,6 +15,7 @@
 namespace dapple::methods {
 
 using sliced_beams::BeamNeighbors;
+using sliced_beams::CoveragePass;
 using sliced_beams::LayerTiles;
 using sliced_beams::PointQuery;
 using sliced_beams::QueryCounts;
@@ -21,15 +23,26 @@ using sliced_beams::ReceiverGroup;
 using sliced_beams::SheetCoverage;
 
 struct SlicedBeams::State {
+    explicit State(CoverageBackend coverage) : backend(coverage) {}
+
+    CoverageBackend backend;
+    std::unique_ptr<CoveragePass> pass;  ///< once it has been needed
+    bool on_device = false;              ///< in this frame
     std::vector<std::unique_ptr<SheetCoverage<float>>> sheets;
     std::optional<BeamNeighbors> neighbors;
     std::vector<std::unique_ptr<PointQuery<float>>>
         points;  ///< beside the sheets; made where data is asked for
 
+    void choose_backend(FrameContext& context);
     void find_points(const FrameContext& context, const view::ReceiverLayer& layer, LayerResult& result);
 };
 
 namespace {
+
+/// Whether the device computes coverage by itself, by its type, never by timing, so that bits repeat.
+bool computes_by_default(gpu::DeviceType type) {
+    return type != gpu::DeviceType::cpu;
+}
 
 /// Whether paths are counted on this sheet: of a chain's sheets those of its first direction that carry
 /// green, so that a path counts once.
@@ -77,7 +90,7 @@ void SlicedBeams::State::find_points(const FrameContext& context, const view::Re
     });
 }
 
-SlicedBeams::SlicedBeams() : state_(std::make_unique<State>()) {}
+SlicedBeams::SlicedBeams(CoverageBackend coverage) : state_(std::make_unique<State>(coverage)) {}
 SlicedBeams::~SlicedBeams() = default;
 
 Support SlicedBeams::supports_surface(const scene::FrameState&) const {
@@ -115,6 +128,15 @@ float deepest(const rays::RayScene& rays, const light::BeamSheet<float>& sheet) 
 
 }  // namespace
 
+void SlicedBeams::State::choose_backend(FrameContext& context) {
+    const ScopedPass pass_time(context.stats, "coverage");
+    on_device = backend == CoverageBackend::compute ||
+                (backend == CoverageBackend::automatic && computes_by_default(context.device.info().type));
+    if (!on_device) return;
+    if (!pass) pass = std::make_unique<CoveragePass>(context.device);
+    on_device = pass->begin(sheets);
+}
+
 void SlicedBeams::begin(FrameContext& context) {
     state_->points.clear();
     state_->neighbors.reset();
@@ -130,6 +152,7 @@ void SlicedBeams::begin(FrameContext& context) {
                 std::make_unique<SheetCoverage<float>>(context.scene, context.rays, std::move(sheet), depth));
         }
     }
+    state_->choose_backend(context);
 }
 
 void SlicedBeams::irradiance(FrameContext& context, std::span<const view::ReceiverLayer> layers,
@@ -139,8 +162,14 @@ void SlicedBeams::irradiance(FrameContext& context, std::span<const view::Receiv
             const ScopedPass pass(context.stats, "path counts");
             state_->find_points(context, layers[i], results[i]);
         }
-        const ScopedPass pass(context.stats, "coverage");
         const LayerTiles tiles(layers[i], context.scene.state.clip);
+        if (state_->on_device) {
+            QueryCounts counts;
+            state_->pass->irradiance(tiles, results[i], counts, context.stats);
+            counts.report(context.stats);
+            continue;
+        }
+        const ScopedPass pass(context.stats, "coverage");
         std::vector<QueryCounts> counts(tiles.count());
         parallel_for(tiles.count(), 4, [&](std::size_t begin, std::size_t end) {
             std::vector<glm::vec3> irradiance;

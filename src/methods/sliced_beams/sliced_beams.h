@@ -5,12 +5,19 @@
 
 namespace dapple::methods {
 
+/// Where the coverage of receivers is computed.
+enum class CoverageBackend {
+    automatic,  ///< by the type of the device
+    cpu,
+    compute,  ///< on the device, but for meshes that it cannot bind and what the pass leaves to the CPU
+};
+
 /// Exact up to the mesh, without noise: every triangle of the water is a beam of light; what part of a landed
 /// beam lies within a receiver's footprint is found by clipping, for all beams that can reach it. Beams are
 /// found through a min/max pyramid over their landing points, which are linear in depth.
 class SlicedBeams : public CausticMethod {
 public:
-    SlicedBeams();
+    explicit SlicedBeams(CoverageBackend coverage = CoverageBackend::automatic);
     ~SlicedBeams() override;
     Support supports_surface(const scene::FrameState& state) const override;
     bool serves_behind_specular() const override { return true; }

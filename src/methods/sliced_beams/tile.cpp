@@ -57,8 +57,8 @@ void Tile<Real>::place_receivers(std::span<const Receiver<Real>> receivers) {
 }
 
 template <class Real>
-void Tile<Real>::run() {
-    if (locals_.empty()) return;
+bool Tile<Real>::find() {
+    if (locals_.empty()) return false;
     // Every ray meets the front of every receiver's plane.
     const bool facing = std::all_of(locals_.begin(), locals_.end(), [&](const Local& local) {
         const Vec3<Real>& n = local.receiver.normal;
@@ -66,7 +66,7 @@ void Tile<Real>::run() {
     });
     whole_allowed_ = facing;
     find_nodes();
-    if (clusters_.empty() && nodes_.empty()) return;
+    if (clusters_.empty() && nodes_.empty()) return false;
     if (!test_free()) {
         ++counts_.occluded_tiles;
         if (!nodes_.empty()) {  // sums say nothing of single beams
@@ -75,6 +75,11 @@ void Tile<Real>::run() {
         }
     }
     counts_.clusters += clusters_.size();
+    return true;
+}
+
+template <class Real>
+void Tile<Real>::cover() {
     if (planar())
         add_planar();
     else

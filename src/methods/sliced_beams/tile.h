@@ -24,9 +24,19 @@ class Tile {
 public:
     Tile(const SheetCoverage<Real>& sheet, std::span<const Receiver<Real>> receivers, std::uint32_t object,
          std::span<Vec3<Real>> irradiance, QueryCounts& counts);
-    void run();
+    void run() {
+        if (find()) cover();
+    }
+    /// Finds what can matter to the receivers; false: nothing.
+    bool find();
+    /// Adds the light of what has been found.
+    void cover();
+    /// Whether what has been found is clusters only, without anything in the way of their light.
+    bool plain() const { return nodes_.empty() && below_surface_ && free_after_ && free_before_; }
 
 private:
+    friend class CoverageWorkBuilder;
+
     using NodeId = typename BeamPyramid<Real>::NodeId;
     struct Local {
         Receiver<Real> receiver;  ///< in the sheet's axes
