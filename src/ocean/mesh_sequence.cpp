@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <utility>
 
 #include "base/error.h"
@@ -14,6 +15,28 @@ namespace {
 
 /// How far back `hold` looks for a file.
 constexpr std::int64_t kLongestHold = 10000;
+
+/// Step between neighbouring floats at the largest coordinate, unit of the file; 0 where some coordinate is
+/// no float, so that the file holds more digits.
+double float_step(const scene::TriangleMesh& mesh) {
+    float largest = 0;
+    for (const glm::dvec3& p : mesh.positions) {
+        if (glm::dvec3(glm::vec3(p)) != p) return 0;
+        largest = std::max({largest, std::abs(static_cast<float>(p.x)), std::abs(static_cast<float>(p.y)),
+                            std::abs(static_cast<float>(p.z))});
+    }
+    return static_cast<double>(std::nextafter(largest, std::numeric_limits<float>::infinity()) - largest);
+}
+
+/// m, side of the squares that pairs of the triangles would be.
+double mean_edge(const scene::TriangleMesh& mesh) {
+    double area = 0;
+    for (const glm::uvec3& t : mesh.triangles) {
+        const glm::dvec3& a = mesh.positions[t.x];
+        area += 0.5 * glm::length(glm::cross(mesh.positions[t.y] - a, mesh.positions[t.z] - a));
+    }
+    return mesh.triangles.empty() ? 0 : std::sqrt(2 * area / static_cast<double>(mesh.triangles.size()));
+}
 
 bool exists(const std::string& path) {
     std::error_code error;
@@ -66,11 +89,13 @@ scene::WaterMesh sequence_mesh(const scene::MeshSequence& sequence, double time)
     scene::WaterMesh water;
     water.mesh = input::read_mesh(path);
     water.mesh.uv.clear();
+    water.float_step = sequence.scale * float_step(water.mesh);
     for (glm::dvec3& p : water.mesh.positions) {
         if (sequence.up == scene::UpAxis::z) p = {p.x, p.z, -p.y};
         p = sequence.scale * p + sequence.offset;
         water.largest_height = std::max(water.largest_height, std::abs(p.y));
     }
+    water.mean_edge = mean_edge(water.mesh);
     if (!orient_upwards(water.mesh)) {
         throw Error(
             ExitCode::input_unreadable,

@@ -11,6 +11,10 @@
 namespace dapple::render {
 namespace {
 
+/// Floats of a mesh further apart than this share of its cells tilt its facets by as much, rad: what they
+/// send 4 m deep moves by a millimetre.
+constexpr double kCoarseFloats = 1e-3;
+
 /// Range of heights that an object takes up.
 struct Heights {
     double lowest;
@@ -94,6 +98,15 @@ private:
         }
         if (water.capped) text += ", capped: finer waves want mesh_cells";
         if (water.folded_vertices > 0) text += ", folded over itself in places";
+        if (water.float_step > kCoarseFloats * water.mean_edge) {
+            char step[160];
+            std::snprintf(
+                step, sizeof step,
+                ", rounded: the file's floats are %.2g mm apart so far from its origin, beside cells of "
+                "%.2g mm; write it near its origin and give `offset`",
+                1e3 * water.float_step, 1e3 * water.mean_edge);
+            text += step;
+        }
         return text;
     }
 

@@ -35,7 +35,11 @@ struct WaterMesh {
     /// unknown.
     double shortest_wave = 0;
     double cells_per_shortest_wave = 0;
-    bool capped = false;  ///< fewer cells than asked for, to keep to the cap of triangles
+    /// m, in the world: step between neighbouring floats at the outermost vertex of a read mesh, all of whose
+    /// coordinates are floats; 0: computed, or given with more digits.
+    double float_step = 0;
+    double mean_edge = 0;  ///< m, of the cells of a read mesh as if they were square; 0: computed
+    bool capped = false;   ///< fewer cells than asked for, to keep to the cap of triangles
 };
 
 }  // namespace dapple::scene
