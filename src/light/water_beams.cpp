@@ -17,12 +17,13 @@ struct Band {
     const char* name = "";
     double index_shift = 0;  // in units of the dispersion
     glm::dvec3 mask{1, 1, 1};
+    bool counts_paths = true;
 };
 constexpr std::array<const char*, kSheetAxes> kAxisNames = {"", " +x", " -x", " +z", " -z", " +y", " -y"};
 
 std::vector<Band> bands_of(const scene::Water& water, Event event) {
     if (!(water.dispersion > 0) || event == Event::reflection) return {Band{}};
-    return {{" red", -0.5, {1, 0, 0}}, {" green", 0, {0, 1, 0}}, {" blue", 0.5, {0, 0, 1}}};
+    return {{" red", -0.5, {1, 0, 0}, false}, {" green", 0, {0, 1, 0}}, {" blue", 0.5, {0, 0, 1}, false}};
 }
 
 /// What all sheets of a chain have in common.
@@ -81,6 +82,7 @@ public:
             sheet.light = chain_.light;
             sheet.event = setup_.event;
             sheet.from_below = light.from_below;
+            sheet.counts_paths = band.counts_paths;
             sheet.color = setup_.color * band.mask;
             sheet.world_from_mesh = mesh_frame(axes[static_cast<std::size_t>(k)]);
             sheet.rows = scene_.water->rows;
@@ -176,9 +178,12 @@ std::vector<BeamSheet<Real>> water_beams(const scene::FrameScene& scene, const r
         WaterLight light = setup.water_light;
         light.direction = directions[i];
         std::optional<std::vector<float>> visible;  // the same for all bands
-        for (const Band& band : bands_of(*scene.state.water, setup.event))
+        const bool first = sheets.empty();
+        for (Band band : bands_of(*scene.state.water, setup.event)) {
+            band.counts_paths &= first;
             tracer.trace(light, band, directions.size() > 1 ? name + ' ' + std::to_string(i + 1) : name,
                          visible, sheets);
+        }
     }
     stats.count("beams", static_cast<double>(tracer.beams()));
     count_losses(sheets, stats);

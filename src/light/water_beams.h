@@ -43,6 +43,9 @@ struct BeamSheet {
     bool from_below = false;  ///< the light is under water: T lands in the air, R in the water
     /// Whether the rays travel through the water after the event.
     bool in_water() const { return from_below == (event == Event::reflection); }
+    /// Of a chain's bands and directions the one by which paths are counted, whatever the light's colour: the
+    /// first direction's, all channels or green. All sheets of other axes of that one have it too.
+    bool counts_paths = true;
 
     /// Direction of travel of the light of this sheet (a sun: one direction of its disc); 0 for point, spot.
     glm::dvec3 light_direction{0, 0, 0};

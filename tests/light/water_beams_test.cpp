@@ -329,6 +329,39 @@ TEST(WaterBeams, DispersionBendsBlueMoreThanRed) {
     ASSERT_EQ(beams<double>(scene, Event::reflection).size(), 1u);
 }
 
+/// Names of the sheets that count paths.
+std::vector<std::string> counting(const std::vector<BeamSheet<float>>& sheets) {
+    std::vector<std::string> names;
+    for (const auto& sheet : sheets)
+        if (sheet.counts_paths) names.push_back(sheet.name);
+    return names;
+}
+
+TEST(WaterBeams, PathsAreCountedByOneBandOfOneDirection) {
+    using Names = std::vector<std::string>;
+    scene::FrameScene scene = lamp_scene({8, 8}, 80, {0.3, 0.1, -0.2});
+    scene.state.lights[0].intensity = {1, 0, 0};
+    EXPECT_EQ(counting(beams<float>(scene, Event::transmission)), Names{"lamp > water:T"});
+    EXPECT_EQ(counting(beams<float>(scene, Event::reflection)).size(),
+              5u);  // all axes: beams are on one each
+    scene.state.water->dispersion = 0.0055;
+    EXPECT_EQ(counting(beams<float>(scene, Event::transmission)), Names{"lamp > water:T green"});
+
+    scene.state.lights = {sun(30)};
+    EXPECT_EQ(counting(beams<float>(scene, Event::transmission)), Names{"sun > water:T green"});
+    scene.state.lights[0].angular_diameter = 0.0093;
+    EXPECT_EQ(counting(beams<float>(scene, Event::transmission, 4)), Names{"sun > water:T 1 green"});
+    EXPECT_EQ(counting(beams<float>(scene, Event::reflection, 4)), Names{"sun > water:R 1"});
+    scene.state.water->dispersion = 0;
+    EXPECT_EQ(counting(beams<float>(scene, Event::transmission, 4)), Names{"sun > water:T 1"});
+    // Of a sun on the horizon, the first part that is above it.
+    scene.state.lights[0].direction = sun(90).direction;
+    const auto risen = beams<float>(scene, Event::transmission, 4);
+    ASSERT_GT(risen.size(), 0u);
+    ASSERT_LT(risen.size(), 4u);
+    EXPECT_EQ(counting(risen), Names{risen[0].name});
+}
+
 TEST(WaterBeams, VerticesThatAreNotFiniteTakeNoOthersWithThem) {
     scene::FrameScene scene = water_scene({4, 4});
     scene.state.lights = {sun(30)};
