@@ -34,13 +34,9 @@ Beam beam_of(uint index) {
 LandedBeam land_at(CurvedReceiver r, Beam beam) {
     return land_beam(beam.r0, beam.r1, beam.r2, beam.flux, r.frame, push.color, push.absorption);
 }
-vec3 power_at(CurvedReceiver r, Beam beam, inout bool thin_beams) {
+vec3 power_at(CurvedReceiver r, Beam beam) {
     LandedBeam landed = land_at(r, beam);
-    return covered_share(landed.x, landed.y, thin_beams) * landed.power;
-}
-vec3 thin_power_at(CurvedReceiver r, Beam beam) {
-    LandedBeam landed = land_at(r, beam);
-    return covered_share_if_thin(landed.x, landed.y) * landed.power;
+    return covered_share(landed.x, landed.y) * landed.power;
 }
 
 void main() {
@@ -50,23 +46,13 @@ void main() {
     CurvedReceiver s0 = receivers[4 * i], s1 = receivers[4 * i + 1], s2 = receivers[4 * i + 2],
                    s3 = receivers[4 * i + 3];
     vec3 e0 = vec3(0.0), e1 = vec3(0.0), e2 = vec3(0.0), e3 = vec3(0.0);
-    bool thin_beams = false;
     for (uint j = block.first; j < block.last; ++j) {
         for (uint k = 0; k < 8; ++k) {
             Beam beam = beam_of(clusters[list[j]].beam[k]);
-            e0 += power_at(s0, beam, thin_beams);
-            e1 += power_at(s1, beam, thin_beams);
-            e2 += power_at(s2, beam, thin_beams);
-            e3 += power_at(s3, beam, thin_beams);
-        }
-    }
-    for (uint j = thin_beams ? block.first : block.last; j < block.last; ++j) {
-        for (uint k = 0; k < 8; ++k) {
-            Beam beam = beam_of(clusters[list[j]].beam[k]);
-            e0 += thin_power_at(s0, beam);
-            e1 += thin_power_at(s1, beam);
-            e2 += thin_power_at(s2, beam);
-            e3 += thin_power_at(s3, beam);
+            e0 += power_at(s0, beam);
+            e1 += power_at(s1, beam);
+            e2 += power_at(s2, beam);
+            e3 += power_at(s3, beam);
         }
     }
     irradiance[4 * i] = s0.inverse_area * e0;

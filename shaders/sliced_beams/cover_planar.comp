@@ -13,21 +13,10 @@ layout(scalar, binding = 3) readonly buffer Receivers { PlanarReceiver receivers
 layout(scalar, binding = 4) writeonly buffer Irradiance { vec3 irradiance[]; };
 layout(scalar, push_constant) uniform Push { CoveragePush push; };
 
-void move(LandedBeam beam, PlanarReceiver r, out vec3 x, out vec3 y) {
+vec3 power_at(PlanarReceiver r, LandedBeam beam) {
     precise vec3 dx = beam.x - r.center.x, dy = beam.y - r.center.y;
-    precise vec3 moved_x = r.to_x.x * dx + r.to_x.y * dy, moved_y = r.to_y.x * dx + r.to_y.y * dy;
-    x = moved_x;
-    y = moved_y;
-}
-vec3 power_at(PlanarReceiver r, LandedBeam beam, inout bool thin_beams) {
-    vec3 x, y;
-    move(beam, r, x, y);
-    return covered_share(x, y, thin_beams) * beam.power;
-}
-vec3 thin_power_at(PlanarReceiver r, LandedBeam beam) {
-    vec3 x, y;
-    move(beam, r, x, y);
-    return covered_share_if_thin(x, y) * beam.power;
+    precise vec3 x = r.to_x.x * dx + r.to_x.y * dy, y = r.to_y.x * dx + r.to_y.y * dy;
+    return covered_share(x, y) * beam.power;
 }
 
 void main() {
@@ -37,25 +26,14 @@ void main() {
     PlanarReceiver r0 = receivers[4 * i], r1 = receivers[4 * i + 1], r2 = receivers[4 * i + 2],
                    r3 = receivers[4 * i + 3];
     vec3 e0 = vec3(0.0), e1 = vec3(0.0), e2 = vec3(0.0), e3 = vec3(0.0);
-    bool thin_beams = false;
     for (uint j = block.first; j < block.last; ++j) {
         uint first = 8 * list[j];
         for (uint k = 0; k < 8; ++k) {
             LandedBeam beam = landed[first + k];
-            e0 += power_at(r0, beam, thin_beams);
-            e1 += power_at(r1, beam, thin_beams);
-            e2 += power_at(r2, beam, thin_beams);
-            e3 += power_at(r3, beam, thin_beams);
-        }
-    }
-    for (uint j = thin_beams ? block.first : block.last; j < block.last; ++j) {
-        uint first = 8 * list[j];
-        for (uint k = 0; k < 8; ++k) {
-            LandedBeam beam = landed[first + k];
-            e0 += thin_power_at(r0, beam);
-            e1 += thin_power_at(r1, beam);
-            e2 += thin_power_at(r2, beam);
-            e3 += thin_power_at(r3, beam);
+            e0 += power_at(r0, beam);
+            e1 += power_at(r1, beam);
+            e2 += power_at(r2, beam);
+            e3 += power_at(r3, beam);
         }
     }
     irradiance[4 * i] = r0.inverse_area * e0;

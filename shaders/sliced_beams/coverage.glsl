@@ -1,26 +1,30 @@
 // Coverage of one footprint by one landed beam: the arithmetic of src/methods/sliced_beams/coverage.h, beam by beam.
 // All of it is precise, so that no compiler fuses or reorders what must round as it does there.
 
-float to_square(float x) { return min(max(x, -0.5), 0.5); }
+// By comparison, as one or two instructions: what min and max owe to NaN costs more on some devices.
+float lesser(float x, float y) { return x < y ? x : y; }
+float greater(float x, float y) { return x > y ? x : y; }
+float least_of(vec3 v) { return lesser(lesser(v.x, v.y), v.z); }
+float greatest_of(vec3 v) { return greater(greater(v.x, v.y), v.z); }
+float to_square(float x) { return lesser(greater(x, -0.5), 0.5); }
 
-// Integral over an edge's part above the square of (its height held within the square) - base.
+// Integral over an edge's part above the square of (its height held within the square) - base. No end comes first in
+// it: with the ends changed over each difference changes its sign and nothing else, so that the two beams of an edge
+// get the same number but for its sign.
 float area_below_edge(float x0, float y0, float x1, float y1, float base) {
-    bool swapped = x0 > x1;
-    precise float left_x = swapped ? x1 : x0, right_x = swapped ? x0 : x1;
-    precise float left_y = swapped ? y1 : y0, right_y = swapped ? y0 : y1;
-    precise float run = right_x - left_x;
-    precise float slope = run > 0.0 ? (right_y - left_y) / run : 0.0;
-    precise float from_x = to_square(left_x), to_x = to_square(right_x);
-    precise float from = left_y + (from_x - left_x) * slope;
-    precise float to = right_y + (to_x - right_x) * slope;
+    precise float run = x1 - x0;
+    precise float slope = run == 0.0 ? 0.0 : (y1 - y0) / run;
+    precise float from_x = to_square(x0), to_x = to_square(x1);
+    precise float from = y0 + (from_x - x0) * slope;
+    precise float to = y1 + (to_x - x1) * slope;
     precise float held_from = to_square(from), held_to = to_square(to);
-    precise float above = max(to, 0.5) - max(from, 0.5);
-    precise float below = min(to, -0.5) - min(from, -0.5);
+    precise float above = greater(to, 0.5) - greater(from, 0.5);
+    precise float below = lesser(to, -0.5) - lesser(from, -0.5);
     precise float rise = to - from;
     precise float integral = 0.5 * ((held_to - held_from) * (held_to + held_from) + (above - below));
     precise float mean = rise == 0.0 ? held_from : integral / rise;
     precise float area = (to_x - from_x) * (mean - base);
-    return swapped ? -area : area;
+    return area;
 }
 
 // The part [range.x, range.y] of a way that lies within the square along one axis.
@@ -60,7 +64,7 @@ bool meets_square(vec2 low, vec2 high) {
 }
 bool is_thin(float whole, vec2 low, vec2 high) {
     const float rounding = 256.0 / 8388608.0;  // 256 times the spacing of floats at 1
-    precise float size = max(high.x - low.x, high.y - low.y);
+    precise float size = greater(high.x - low.x, high.y - low.y);
     precise float least = rounding * (size + 0.5) * size;
     return whole <= least;
 }
@@ -72,28 +76,22 @@ float whole_area(vec3 x, vec3 y) {
     return abs(0.5 * doubled);
 }
 
-// Share of a landed beam's area within the footprint, in [0, 1]. Beams so thin that they count by their longest edge
-// are left out, and said to be there: few are, and devices that run both sides of a branch should not pay for each.
-float covered_share(vec3 x, vec3 y, inout bool thin_beams) {
-    vec2 low = vec2(min(min(x.x, x.y), x.z), min(min(y.x, y.y), y.z));
-    vec2 high = vec2(max(max(x.x, x.y), x.z), max(max(y.x, y.y), y.z));
-    if (!meets_square(low, high)) return 0.0;
-    float whole = whole_area(x, y);
-    if (is_thin(whole, low, high)) {
-        thin_beams = true;
-        return 0.0;
+// Share of a landed beam's area within the footprint, in [0, 1]; a beam too thin for that counts by its longest edge.
+float covered_share(vec3 x, vec3 y) {
+    vec2 low = vec2(least_of(x), least_of(y)), high = vec2(greatest_of(x), greatest_of(y));
+    float share = 0.0;
+    if (meets_square(low, high)) {
+        float whole = whole_area(x, y);
+        if (is_thin(whole, low, high)) {
+            share = covered_share_of_longest_edge(x, y);
+        } else {
+            float base = to_square(y.x);
+            precise float area = area_below_edge(x.x, y.x, x.y, y.y, base);
+            area += area_below_edge(x.y, y.y, x.z, y.z, base);
+            area += area_below_edge(x.z, y.z, x.x, y.x, base);
+            share = abs(area) / whole;
+        }
+        share = lies_within_square(low, high) ? 1.0 : lesser(share, 1.0);
     }
-    float base = to_square(y.x);
-    precise float area = area_below_edge(x.x, y.x, x.y, y.y, base);
-    area += area_below_edge(x.y, y.y, x.z, y.z, base);
-    area += area_below_edge(x.z, y.z, x.x, y.x, base);
-    return lies_within_square(low, high) ? 1.0 : min(abs(area) / whole, 1.0);
-}
-
-// The same for those beams alone.
-float covered_share_if_thin(vec3 x, vec3 y) {
-    vec2 low = vec2(min(min(x.x, x.y), x.z), min(min(y.x, y.y), y.z));
-    vec2 high = vec2(max(max(x.x, x.y), x.z), max(max(y.x, y.y), y.z));
-    if (!meets_square(low, high) || !is_thin(whole_area(x, y), low, high)) return 0.0;
-    return lies_within_square(low, high) ? 1.0 : min(covered_share_of_longest_edge(x, y), 1.0);
+    return share;
 }

@@ -1,6 +1,7 @@
 #include "methods/sliced_beams/coverage_work.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace dapple::methods::sliced_beams {
 namespace {
@@ -42,8 +43,7 @@ void CoverageWorkBuilder::add_clusters(CoverageWork& work) const {
 void CoverageWorkBuilder::add_lists(CoverageWork& work, std::uint32_t first_cluster) const {
     const auto& nodes = tile_.clusters_;
     std::vector<Box<float>> boxes(nodes.size());
-    for (std::size_t i = 0; i < nodes.size(); ++i)
-        boxes[i] = tile_.pyramid_.box(nodes[i], tile_.low_, tile_.high_);
+    for (std::size_t i = 0; i < nodes.size(); ++i) boxes[i] = tile_.box(nodes[i]);
     constexpr float infinity = std::numeric_limits<float>::infinity();
     const auto& locals = tile_.locals_;
     for (std::size_t first = 0; first < locals.size(); first += kBlockReceivers) {
@@ -60,12 +60,22 @@ void CoverageWorkBuilder::add_lists(CoverageWork& work, std::uint32_t first_clus
             high = std::max(high, p.z + local.half_depth);
         }
         // Where the tile is level in the light, its own boxes are as good.
+        // Positions are rounded, and those of a planar tile lie off its plane by as much as planar() takes
+        // for rounding; seen along the axis that is more by the plane's slant.
+        const Receiver<float>& r = locals[first].receiver;
+        const float size = std::max({std::abs(r.position.x), std::abs(r.position.y), std::abs(r.position.z)});
+        const float margin =
+            32 * std::numeric_limits<float>::epsilon() * size / std::max(std::abs(r.normal.z), 0.01f);
+        bounds = {bounds.low_a - margin, bounds.high_a + margin, bounds.low_b - margin,
+                  bounds.high_b + margin};
+        low -= margin;
+        high += margin;
         const bool slanted = 2 * (high - low) < tile_.high_ - tile_.low_;
         layout::CoverageBlock& block = work.blocks.emplace_back();
         block.first = static_cast<std::uint32_t>(work.list.size());
         for (std::size_t i = 0; i < nodes.size(); ++i)
             if (overlap(boxes[i], bounds) &&
-                (!slanted || overlap(tile_.pyramid_.box(nodes[i], low, high), bounds)))
+                (!slanted || overlap(tile_.pyramid_.box(nodes[i], low, high, tile_.lean_), bounds)))
                 work.list.push_back(first_cluster + static_cast<std::uint32_t>(i));
         block.last = static_cast<std::uint32_t>(work.list.size());
     }
