@@ -79,7 +79,7 @@ public:
     const scene::FrameScene& scene() const { return scene_; }
 
 private:
-    static constexpr float kDeepest = 100;  // m along any axis
+    static constexpr float kDeepest = 40;  // m along any axis
     scene::FrameScene scene_;
     rays::RayScene rays_;
     FrameStats stats_;
