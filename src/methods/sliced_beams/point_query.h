@@ -27,8 +27,9 @@ struct PointSummary {
 /// float, relative to the point), which all its beams share, so that the signs of their areas fit together
 /// without gaps or overlaps.
 ///
-/// A point is near a fold where it is nearer to a landed edge between beams of opposite sign than the second
-/// difference of the landed corners across that edge, |c + d - a - b| (a, b the edge's ends).
+/// A point is near a fold where it is nearer to a landed edge between beams of opposite sign than a sixth of
+/// the largest second difference |c + d - a - b| of the landed corners c, d across an edge a, b of one of
+/// these beams, as seen across the edge between them: the smooth map's fold lies that near.
 template <class Real>
 class PointQuery {
 public:
