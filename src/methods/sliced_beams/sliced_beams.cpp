@@ -15,6 +15,7 @@
 namespace dapple::methods {
 
 using sliced_beams::BeamNeighbors;
+using sliced_beams::BeamPyramid;
 using sliced_beams::CoveragePass;
 using sliced_beams::LayerTiles;
 using sliced_beams::PointQuery;
@@ -39,15 +40,12 @@ struct SlicedBeams::State {
 
 namespace {
 
-/// Whether the device computes coverage by itself, by its type, never by timing, so that bits repeat.
+/// Whether the device computes coverage by itself; by its type, never by timing, so that bits repeat. On
+/// lavapipe the pass costs 2.0 to 2.4 times the CPU code on a level floor, more than the twice that it may;
+/// 1.4 to 2 times on a pool with a column and on a curved floor
+/// (tests/benchmarks/beams/bench_coverage_pass.cpp).
 bool computes_by_default(gpu::DeviceType type) {
     return type != gpu::DeviceType::cpu;
-}
-
-/// Whether paths are counted on this sheet: of a chain's sheets those of its first direction that carry
-/// green, so that a path counts once.
-bool counts_paths(const light::BeamSheet<float>& sheet, const light::BeamSheet<float>& first_of_chain) {
-    return sheet.light_direction == first_of_chain.light_direction && sheet.color.g > 0;
 }
 
 }  // namespace
@@ -59,11 +57,7 @@ void SlicedBeams::State::find_points(const FrameContext& context, const view::Re
     if (!neighbors) neighbors.emplace(water.rows, water.columns, water.mesh.triangles);
     if (points.empty())
         for (const auto& sheet : sheets) {
-            const auto first = std::find_if(sheets.begin(), sheets.end(), [&](const auto& other) {
-                return other->sheet().light == sheet->sheet().light &&
-                       other->sheet().event == sheet->sheet().event;
-            });
-            points.push_back(counts_paths(sheet->sheet(), (*first)->sheet())
+            points.push_back(sheet->sheet().counts_paths
                                  ? std::make_unique<PointQuery<float>>(*sheet, *neighbors)
                                  : nullptr);
         }
@@ -100,18 +94,26 @@ Support SlicedBeams::supports_surface(const scene::FrameState&) const {
 std::size_t SlicedBeams::bytes(const scene::FrameState& state, std::size_t) const {
     if (!state.water || state.water->surface.type == scene::WaterSurfaceType::mesh_sequence) return 0;
     const ocean::GridSize grid = ocean::grid_size(*state.water);
+    using Pyramid = BeamPyramid<float>;
     const double vertex = sizeof(light::BeamSheet<float>::Ray) + sizeof(float) + 1;
-    // Pyramids: 8 bounds and 7 sums a cluster of 8 beams, and a third of that again above it.
-    const double beam = sizeof(float) + 4.0 / 3 * 15 * sizeof(float) / sliced_beams::kClusterBeams;
+    // Pyramids: bounds at two depths and sums a cluster of beams, and a third of that again above it.
+    const double cluster = 4.0 / 3 * (2 * sizeof(sliced_beams::Box<float>) + sizeof(Pyramid::Sums));
+    const double beam = sizeof(float) + cluster / sliced_beams::kClusterBeams;
     double sheets = 0;
     for (const scene::Light& light : state.lights) {
         const bool disc = light.type == scene::LightType::sun && light.angular_diameter > 0;
         const double parts = disc ? state.caustics.sliced_beams.sun_samples : 1;
-        sheets += parts * ((state.water->dispersion > 0 ? 3 : 1) + 1);
+        const double bands = state.water->dispersion > 0 ? 3 : 1;
+        // Lamps send reflected light about further axes: five sheets, measured for a low one.
+        sheets += parts * (bands + (light.type == scene::LightType::sun ? 1 : 5));
     }
+    // While beams are traced and paths counted: events of vertices, shares and flags of triangles; on the
+    // device a copy of the rays and indices of corners.
+    const double vertices = static_cast<double>(grid.vertices()),
+                 triangles = static_cast<double>(grid.triangles());
+    const double beside = 29 * vertices + 22 * triangles;
     return static_cast<std::size_t>(
-        std::min(0x1p61, sheets * (vertex * static_cast<double>(grid.vertices()) +
-                                   beam * static_cast<double>(grid.triangles()))));
+        std::min(0x1p61, beside + sheets * (vertex * vertices + beam * triangles)));
 }
 
 namespace {
@@ -124,6 +126,14 @@ float deepest(const rays::RayScene& rays, const light::BeamSheet<float>& sheet) 
     const glm::vec3 corner = glm::mix(low, high, glm::greaterThan(axis, glm::vec3(0)));
     const float depth = glm::dot(corner, axis);
     return depth + 1e-3f * (1 + std::abs(depth));
+}
+
+/// Receivers whose footprint has no area or is not finite have no mean irradiance.
+void count_left_out(const view::ReceiverLayer& layer, const LayerResult& result, FrameStats& stats) {
+    std::size_t left_out = 0;
+    for (std::size_t i = 0; i < layer.pixels(); ++i)
+        left_out += (layer.flags[i] & view::kReceiver) != 0 && !result.covered[i] ? 1 : 0;
+    if (left_out > 0) stats.count("receivers without a footprint", static_cast<double>(left_out));
 }
 
 }  // namespace
@@ -167,6 +177,7 @@ void SlicedBeams::irradiance(FrameContext& context, std::span<const view::Receiv
             QueryCounts counts;
             state_->pass->irradiance(tiles, results[i], counts, context.stats);
             counts.report(context.stats);
+            count_left_out(layers[i], results[i], context.stats);
             continue;
         }
         const ScopedPass pass(context.stats, "coverage");
@@ -189,6 +200,7 @@ void SlicedBeams::irradiance(FrameContext& context, std::span<const view::Receiv
         QueryCounts all;
         for (const QueryCounts& tile : counts) all.add(tile);
         all.report(context.stats);
+        count_left_out(layers[i], results[i], context.stats);
     }
 }
 
