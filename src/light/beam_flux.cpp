@@ -19,7 +19,8 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// Light that arrives at a point of the water.
 struct Arrival {
     glm::dvec3 direction;
-    double falloff = 1;
+    double falloff = 1;   // of a spot
+    double absorbed = 0;  // share
 };
 
 /// The three kinds of light, each with what its inner loops need: `at` a vertex and `on` a triangle, whose
@@ -42,9 +43,11 @@ double angle_of(double y, double x) {
 
 struct LampRays {
     glm::dvec3 position;
+    double absorption;  // /m
     Arrival at(glm::dvec3 point) const {
         const glm::dvec3 way = point - position;
-        return {way * (1 / std::sqrt(glm::dot(way, way)))};
+        const double length = std::sqrt(glm::dot(way, way));
+        return {way * (1 / length), 1, absorption > 0 ? -std::expm1(-absorption * length) : 0};
     }
     double on(glm::dvec3 a, glm::dvec3 b, glm::dvec3 c, glm::dvec3 twice_area) const {
         a -= position;
@@ -75,9 +78,10 @@ template <class Body>
 auto with_rays(const WaterLight& light, Body&& body) {
     switch (light.type) {
         case scene::LightType::point:
-            return body(LampRays{light.position});
+            return body(LampRays{light.position, light.absorption});
         case scene::LightType::spot:
-            return body(SpotRays{{light.position}, light.direction, light.cos_outer, light.cos_inner});
+            return body(SpotRays{
+                {light.position, light.absorption}, light.direction, light.cos_outer, light.cos_inner});
         default:
             return body(SunRays{light.direction});
     }
@@ -105,13 +109,24 @@ glm::dvec3 twice_area(const scene::TriangleMesh& mesh, glm::uvec3 t) {
     return glm::cross(mesh.positions[t.y] - a, mesh.positions[t.z] - a);
 }
 
-/// Share at the middle of a triangle by its own plane, where normals mean nothing.
+/// Of the light that arrives somewhere.
+struct Share {
+    double carried;   // after the event
+    double absorbed;  // before it, that it would have carried too
+};
+
+Share share_of(const Arrival& arrival, Event event, double cos_i, double eta) {
+    const double share = arrival.falloff * event_share(event, cos_i, eta);
+    return {share * (1 - arrival.absorbed), share * arrival.absorbed};
+}
+
+/// At the middle of a triangle by its own plane, where normals mean nothing.
 template <class Rays>
-double share_of_plane(const Rays& rays, const scene::TriangleMesh& mesh, glm::uvec3 t, glm::dvec3 area,
-                      Event event, double eta) {
+Share share_of_plane(const Rays& rays, const scene::TriangleMesh& mesh, glm::uvec3 t, glm::dvec3 area,
+                     Event event, double eta) {
     const Arrival arrival = rays.at((mesh.positions[t.x] + mesh.positions[t.y] + mesh.positions[t.z]) / 3.0);
     const double cos_i = std::clamp(-glm::dot(area, arrival.direction) / glm::length(area), 0.0, 1.0);
-    return arrival.falloff * event_share(event, cos_i, eta);
+    return share_of(arrival, event, cos_i, eta);
 }
 
 template <class Rays>
@@ -141,6 +156,7 @@ void trace_vertices(const scene::FrameScene& scene, const WaterLight& light, dou
     sheet.start.resize(count);
     sheet.valid.resize(count);
     events.share.resize(count);
+    events.absorbed.resize(light.absorption > 0 ? count : 0);
     events.cones.resize(count);
     std::vector<double> flattest(count / kTile + 1, kInfinity);
 
@@ -161,7 +177,9 @@ void trace_vertices(const scene::FrameScene& scene, const WaterLight& light, dou
         const bool finite =
             far < kInfinity && unit > 0.5 && unit < 2 && glm::dot(arrival.direction, arrival.direction) > 0.5;
         exists = exists && finite;
-        events.share[v] = finite ? arrival.falloff * event_share(sheet.event, cos_i, eta) : kNothing;
+        const Share share = share_of(arrival, sheet.event, cos_i, eta);
+        events.share[v] = finite ? share.carried : kNothing;
+        if (!events.absorbed.empty()) events.absorbed[v] = share.absorbed;
         const double along = glm::dot(out, axes[0]);
         const unsigned cones = static_cast<unsigned>(along > kConeCosine) |
                                static_cast<unsigned>(out.x > kConeCosine) << 1 |
@@ -211,10 +229,15 @@ FluxSurvey fill_flux(const scene::TriangleMesh& mesh, const WaterLight& light, d
         survey.steepest_squared = std::max(survey.steepest_squared, slope_squared(area));
         survey.faces_away |= met < 0;
         if (!(met > 0)) return 0.0;
-        double share = (events.share[t.x] + events.share[t.y] + events.share[t.z]) / 3;
-        const bool finite = share >= 0;
-        if (!finite) share = share_of_plane(rays, mesh, t, side * area, sheet.event, eta);
-        double flux = met * share;
+        Share share{(events.share[t.x] + events.share[t.y] + events.share[t.z]) / 3, 0};
+        const bool finite = share.carried >= 0;
+        if (!finite) {
+            share = share_of_plane(rays, mesh, t, side * area, sheet.event, eta);
+        } else if (!events.absorbed.empty()) {
+            share.absorbed = (events.absorbed[t.x] + events.absorbed[t.y] + events.absorbed[t.z]) / 3;
+        }
+        survey.losses.absorbed += met * share.absorbed;
+        double flux = met * share.carried;
         if (!visible.empty()) {
             const double seen = static_cast<double>(visible[index]);
             survey.losses.wave_shadow += flux * (1 - seen);

@@ -18,14 +18,18 @@ struct WaterLight {
     glm::dvec3 position{0, 0, 0};    ///< m, world; point and spot
     double cos_outer = -2;           ///< spot, as optics/spot_light.h
     double cos_inner = 1;
+    double absorption = 0;  ///< /m, of the way from a lamp to the surface
 
     double side() const { return from_below ? -1 : 1; }  ///< times a water normal: towards the light
 };
 
 /// What the event did at the vertices of the water mesh.
 struct VertexEvents {
-    /// Transmittance or reflectance, times a spot's falloff; NaN where position or normal means nothing.
+    /// Transmittance or reflectance, times a spot's falloff and what the water left over on the way from the
+    /// lamp; NaN where position or normal means nothing.
     std::vector<double> share;
+    /// By how much more `share` would be without absorption; empty where there is none.
+    std::vector<double> absorbed;
     /// Bit k: the ray fits the cone of sheet_axes()[k]. 0: there is no ray.
     std::vector<std::uint8_t> cones;
     /// Of all rays, the least ratio of the squares of rise and of horizontal way.

@@ -15,15 +15,20 @@ namespace {
 /// One of the channels that are traced together, or all.
 struct Band {
     const char* name = "";
-    double index_shift = 0;  // in units of the dispersion
     glm::dvec3 mask{1, 1, 1};
+    double index_shift = 0;
+    double absorption = 0;  // /m, before the surface
     bool counts_paths = true;
 };
 constexpr std::array<const char*, kSheetAxes> kAxisNames = {"", " +x", " -x", " +z", " -z", " +y", " -y"};
 
-std::vector<Band> bands_of(const scene::Water& water, Event event) {
-    if (!(water.dispersion > 0) || event == Event::reflection) return {Band{}};
-    return {{" red", -0.5, {1, 0, 0}, false}, {" green", 0, {0, 1, 0}}, {" blue", 0.5, {0, 0, 1}, false}};
+std::vector<Band> bands_of(const scene::Water& water, Event event, bool from_below) {
+    const glm::dvec3 absorption = from_below ? water.absorption : glm::dvec3(0);
+    const double dispersion = event == Event::transmission ? water.dispersion : 0;
+    if (!(dispersion > 0) && absorption == glm::dvec3(absorption.g)) return {{.absorption = absorption.g}};
+    return {{" red", {1, 0, 0}, -0.5 * dispersion, absorption.r, false},
+            {" green", {0, 1, 0}, 0, absorption.g, true},
+            {" blue", {0, 0, 1}, 0.5 * dispersion, absorption.b, false}};
 }
 
 /// What all sheets of a chain have in common.
@@ -68,7 +73,7 @@ public:
     void trace(const WaterLight& light, const Band& band, const std::string& name,
                std::optional<std::vector<float>>& visible, std::vector<BeamSheet<Real>>& sheets) {
         const scene::Water& water = *scene_.state.water;
-        const double index = water.refractive_index + band.index_shift * water.dispersion;
+        const double index = water.refractive_index + band.index_shift;
         const double eta = light.from_below ? index : 1 / index;
         setup_.light.direction = light.direction;
         const auto axes = sheet_axes(mesh_axis(setup_.light, light.from_below, setup_.event, index));
@@ -137,6 +142,7 @@ void count_losses(const std::vector<BeamSheet<Real>>& sheets, FrameStats& stats)
         const auto count = [&](const char* name, double flux) {
             if (flux > 0) stats.count(name, flux * mean);
         };
+        count("lost to absorption before the surface, W", sheet.losses.absorbed);
         count("lost to wave shadow, W", sheet.losses.wave_shadow);
         count("lost to total reflection, W", sheet.losses.total_reflection);
         count("lost outside cones, W", sheet.losses.outside_cone);
@@ -150,6 +156,7 @@ void count_losses(const std::vector<BeamSheet<Real>>& sheets, FrameStats& stats)
 }  // namespace
 
 BeamLosses& BeamLosses::operator+=(const BeamLosses& other) {
+    absorbed += other.absorbed;
     wave_shadow += other.wave_shadow;
     total_reflection += other.total_reflection;
     outside_cone += other.outside_cone;
@@ -179,7 +186,8 @@ std::vector<BeamSheet<Real>> water_beams(const scene::FrameScene& scene, const r
         light.direction = directions[i];
         std::optional<std::vector<float>> visible;  // the same for all bands
         const bool first = sheets.empty();
-        for (Band band : bands_of(*scene.state.water, setup.event)) {
+        for (Band band : bands_of(*scene.state.water, setup.event, light.from_below)) {
+            light.absorption = band.absorption;
             band.counts_paths &= first;
             tracer.trace(light, band, directions.size() > 1 ? name + ' ' + std::to_string(i + 1) : name,
                          visible, sheets);

@@ -14,6 +14,7 @@ namespace dapple::light {
 
 /// Flux of the event that no beam carries, by cause; unit of BeamSheet::flux.
 struct BeamLosses {
+    double absorbed = 0;          ///< by the water between a lamp in it and the surface
     double wave_shadow = 0;       ///< other waves stand between the light and the facet
     double total_reflection = 0;  ///< transmission from below: triangles across the critical angle
     double outside_cone = 0;      ///< the triangle's three rays fit no one sheet's cone
@@ -50,7 +51,7 @@ struct BeamSheet {
     /// Direction of travel of the light of this sheet (a sun: one direction of its disc); 0 for point, spot.
     glm::dvec3 light_direction{0, 0, 0};
     /// W/m^2 or W/sr a channel that a flux of 1 stands for: the light's, times the share of the sun's disc,
-    /// 0 in channels that the sheet does not carry (dispersion).
+    /// 0 in channels that the sheet does not carry.
     glm::dvec3 color{0, 0, 0};
     glm::dmat3 world_from_mesh{1.0};  ///< columns: a, b, axis
 
@@ -59,8 +60,9 @@ struct BeamSheet {
     std::vector<Ray> rays;            ///< a vertex of the water mesh; finite also where not valid
     std::vector<Real> start;          ///< m, depth at which the ray leaves the water surface
     std::vector<std::uint8_t> valid;  ///< 1 where there is a ray of this sheet
-    /// A triangle of the water mesh, after Fresnel and wave shadows, for a light of unit irradiance (sun:
-    /// m^2) or unit intensity (point, spot: sr). 0 where a vertex has no ray; never negative.
+    /// A triangle of the water mesh, after absorption before the surface, Fresnel and wave shadows, for a
+    /// light of unit irradiance (sun: m^2) or unit intensity (point, spot: sr). 0 where a vertex has no ray;
+    /// never negative.
     std::vector<Real> flux;
     /// The part of the sun's disc that this sheet stands for: semi-axes of the ellipse by which a landing
     /// point moves, in (a, b), m a m of way along the axis below the surface; 0: none. For flat water; u is
@@ -75,7 +77,8 @@ struct BeamSheet {
 
 /// Beams of one light after one event, in a fixed order: the directions of the sun's disc (`sun_samples`
 /// equal parts of it, the same in every frame; 1: its middle; each with its part's ellipse), within these
-/// the channels (one sheet for all without dispersion), within these the axes where one cone cannot hold all
+/// the channels (one sheet for all where neither dispersion nor, from a lamp under water, absorption before
+/// the surface tells them apart), within these the axes where one cone cannot hold all
 /// directions: every triangle has flux in one of these at most, the first that holds its three rays.
 /// dot(direction, axis) > 0.1 for all rays. Fluxes of the two chains of a light, with their losses (but for
 /// second crossings), sum to what the light sends onto the lit side of the water. Occlusion by objects is not

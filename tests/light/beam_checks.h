@@ -37,8 +37,8 @@ template <class Real>
 double flux_and_losses(const std::vector<BeamSheet<Real>>& sheets) {
     double sum = flux(sheets);
     for (const auto& sheet : sheets)
-        sum += sheet.losses.wave_shadow + sheet.losses.total_reflection + sheet.losses.outside_cone +
-               sheet.losses.not_finite;
+        sum += sheet.losses.absorbed + sheet.losses.wave_shadow + sheet.losses.total_reflection +
+               sheet.losses.outside_cone + sheet.losses.not_finite;
     return sum;
 }
 

@@ -197,7 +197,8 @@ TEST(WaterBeams, ATriangleWhoseRaysFlyApartIsCountedAsLost) {
 
 TEST(WaterBeams, ALampUnderWaterIsReflectedTotallyBeyondTheCriticalAngle) {
     const glm::dvec3 position(0.1, -1, 0);
-    const scene::FrameScene scene = lamp_scene({8, 8}, 160, position);
+    scene::FrameScene scene = lamp_scene({8, 8}, 160, position);
+    scene.state.water->absorption = glm::dvec3(0);
     const auto through = beams<double>(scene, Event::transmission);
     const auto mirrored = beams<double>(scene, Event::reflection);
     expect_sound(through);
@@ -228,6 +229,71 @@ TEST(WaterBeams, ALampUnderWaterIsReflectedTotallyBeyondTheCriticalAngle) {
     EXPECT_NEAR((flux_and_losses(through) + flux_and_losses(mirrored)) /
                     rectangle_solid_angle({-4, -4}, {4, 4}, position),
                 1, 1e-12);
+}
+
+TEST(WaterBeams, WaterAbsorbsOnTheWayFromALampInItToTheSurface) {
+    const glm::dvec3 position(0.1, -1, 0);
+    scene::FrameScene scene = lamp_scene({8, 8}, 160, position);
+    auto water = std::make_shared<scene::WaterMesh>(*scene.water);
+    water->mesh.normals[80 * 161 + 80] = glm::dvec3(std::nan(""));
+    scene.water = water;
+    for (const bool spot : {false, true}) {
+        if (spot) {
+            scene.state.lights[0].type = scene::LightType::spot;
+            scene.state.lights[0].direction = {0, 1, 0};
+            scene.state.lights[0].cone_angle = 1;
+            scene.state.lights[0].falloff_angle = 0.3;
+        }
+        double met = 0;  // in clear water
+        for (const Event event : {Event::transmission, Event::reflection}) {
+            scene.state.water->absorption = glm::dvec3(0);
+            const auto clear = beams<double>(scene, event);
+            met += flux_and_losses(clear);
+            EXPECT_EQ(clear[0].losses.absorbed, 0);
+            scene.state.water->absorption = {0.4, 0.1, 0.03};
+            const auto bands = beams<double>(scene, event);
+            ASSERT_EQ(bands.size(), 3 * clear.size());
+            for (int channel = 0; channel < 3; ++channel) {
+                const double absorption = scene.state.water->absorption[channel];
+                const auto first = bands.begin() + static_cast<std::ptrdiff_t>(clear.size()) * channel;
+                const std::vector<BeamSheet<double>> band(first,
+                                                          first + static_cast<std::ptrdiff_t>(clear.size()));
+                glm::dvec3 mask(0);
+                mask[channel] = 1;
+                for (std::size_t k = 0; k < clear.size(); ++k) {
+                    EXPECT_EQ(band[k].color, mask * clear[k].color);
+                    EXPECT_EQ(band[k].counts_paths, channel == 1);
+                    for (std::size_t t = 0; t < clear[k].flux.size(); ++t) {
+                        if (!(clear[k].flux[t] > 0)) continue;
+                        glm::dvec3 middle(0);
+                        for (int corner = 0; corner < 3; ++corner)
+                            middle +=
+                                scene.water->mesh.positions[scene.water->mesh.triangles[t][corner]] / 3.0;
+                        // A mean over the corners, weighted by Fresnel and falloff: each is within 3.73 cm of
+                        // the middle.
+                        ASSERT_NEAR(band[k].flux[t] / clear[k].flux[t],
+                                    std::exp(-absorption * glm::length(middle - position)),
+                                    0.0373 * absorption)
+                            << t;
+                    }
+                }
+                // What goes missing is named.
+                EXPECT_NEAR(flux_and_losses(band) / flux_and_losses(clear), 1, 1e-12);
+                EXPECT_GT(band[0].losses.not_finite, 0);
+                EXPECT_LT(band[0].losses.not_finite, std::exp(-absorption) * clear[0].losses.not_finite);
+            }
+        }
+        EXPECT_GT(met, 0.5);
+    }
+    // Channels that agree share a sheet; lamps in the air meet the surface before they meet water.
+    scene.state.water->absorption = glm::dvec3(0.3);
+    const auto grey = beams<double>(scene, Event::transmission);
+    EXPECT_EQ(grey[0].color, scene.state.lights[0].intensity);
+    EXPECT_GT(grey[0].losses.absorbed, 0);
+    scene.state.water->absorption = {0.4, 0.1, 0.03};
+    scene.state.lights[0].position.y = 1;
+    scene.state.lights[0].direction.y = -1;
+    EXPECT_EQ(beams<double>(scene, Event::transmission)[0].losses.absorbed, 0);
 }
 
 TEST(WaterBeams, TheSunsDiscSpreadsAsFlatWaterBendsIt) {
