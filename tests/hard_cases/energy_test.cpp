@@ -79,8 +79,8 @@ TEST(TotalReflection, FromBelowIsCounted) {
     double solid = 0;
     for (const double a : {2.8, 3.2})
         for (const double b : {2.9, 3.1}) solid += std::atan(a * b / std::sqrt(a * a + b * b + 1));
-    const double up = passed.on(test::inside_of_box({-12, -2, -12}, {12, 3, 12}), 128);
-    const double down = mirrored.on(test::inside_of_box({-12, -3, -12}, {12, 2, 12}), 128);
+    const double up = passed.on(test::inside_of_box({-12, -2, -12}, {12, 3, 12}), 64);
+    const double down = mirrored.on(test::inside_of_box({-12, -3, -12}, {12, 2, 12}), 64);
     expect_balance("lamp below", up + down, passed.lost() + mirrored.lost(), solid);
     // What a triangle across the critical angle would have passed; none beyond it passes anything.
     EXPECT_GT(passed.lost("lost to total reflection, W"), 0);
