@@ -161,23 +161,23 @@ TEST(BeamsWaveBand, ALevelReceiverAmongTheWavesIsLitUnderCrestsOnly) {
     EXPECT_LT(dark, 55);
 }
 
-/// E of a level floor `below` m under flat water, r m from the foot of a lamp of unit intensity `above` m
-/// over it: the cone of rays within the angle i, per area of the ring on which it lands.
-double lamp_irradiance(double r, double above, double below) {
+/// E of a level receiver `beyond` m behind flat water, r m from the axis of a lamp of unit intensity `before`
+/// m in front of it, where the refractive index is 1 / n of that behind: the cone of rays within the angle i,
+/// per area of the ring on which it lands. `absorption`: /m, in front of the water.
+double lamp_irradiance(double r, double before, double beyond, double n = kIndex, double absorption = 0) {
     // sin(i) by bisection: r grows with i.
-    double low = 0, high = 1;
+    double low = 0, high = std::min(1.0, n);
     for (int step = 0; step < 60; ++step) {
-        const double s = 0.5 * (low + high), st = s / kIndex;
-        const double lands = above * s / std::sqrt(1 - s * s) + below * st / std::sqrt(1 - st * st);
+        const double s = 0.5 * (low + high), st = s / n;
+        const double lands = before * s / std::sqrt(1 - s * s) + beyond * st / std::sqrt(1 - st * st);
         (lands < r ? low : high) = s;
     }
-    const double s = 0.5 * (low + high), c = std::sqrt(1 - s * s), st = s / kIndex,
-                 ct = std::sqrt(1 - st * st);
-    const double rs = (c - kIndex * ct) / (c + kIndex * ct), rp = (kIndex * c - ct) / (kIndex * c + ct);
+    const double s = 0.5 * (low + high), c = std::sqrt(1 - s * s), st = s / n, ct = std::sqrt(1 - st * st);
+    const double rs = (c - n * ct) / (c + n * ct), rp = (n * c - ct) / (n * c + ct);
     const double transmittance = 1 - 0.5 * (rs * rs + rp * rp);
-    const double stretch = above / (c * c) + below * c / (kIndex * ct * ct * ct);
-    const double ring = above / c + below / (kIndex * ct);  // r / sin(i)
-    return transmittance / (ring * stretch);
+    const double stretch = before / (c * c) + beyond * c / (n * ct * ct * ct);
+    const double ring = before / c + beyond / (n * ct);  // r / sin(i)
+    return transmittance * std::exp(-absorption * before / c) / (ring * stretch);
 }
 
 TEST(BeamsFlatLamp, OnTheAxisTheClosedFormIsTheSimpleOne) {
@@ -232,6 +232,41 @@ TEST(BeamsFlatLamp, PixelMeansConvergeWithOrderTwo) {
     // Over the last two halvings.
     EXPECT_NEAR(std::log2(errors[1] / errors[3]) / 2, 2, 0.1);
     EXPECT_LT(errors[3], 2e-5);  // measured 1.0e-5
+}
+
+TEST(BeamsFlatLamp, WaterAbsorbsBeforeItsSurfaceToo) {
+    constexpr double deep = 1.2, above = 0.9, floor = 1.8;
+    scene::FrameScene scene = test::scene_of_flat_water({3.2, 3.2}, 320, 320);
+    scene::Light lamp;
+    lamp.name = "lamp";
+    lamp.type = scene::LightType::point;
+    lamp.position = {0, -deep, 0};
+    lamp.intensity = {3, 2, 1};
+    scene.state.lights = {lamp};
+    scene.state.water->absorption = {0.4, 0.1, 0.03};
+    const SheetSet<double> through(scene, Event::transmission, 3), mirrored(scene, Event::reflection, 3);
+    // Across some ten beams; E is quadratic over a receiver, and its mean E's at the middle, but for 1e-3.
+    constexpr double size = 0.1;
+    for (const double r : {0.0, 0.25, 0.5, 0.75}) {
+        const glm::dvec3 ceiling =
+            through.irradiance(test::receiver<double>({0.6 * r, above, 0.8 * r}, {0, -1, 0}, {size, size}));
+        const glm::dvec3 bottom =
+            mirrored.irradiance(test::receiver<double>({0.6 * r, -floor, 0.8 * r}, {0, 1, 0}, {size, size}));
+        // The mirrored lamp: all of its way, to the surface and back, is in the water.
+        const double way = std::hypot(r, deep + floor), c = (deep + floor) / way,
+                     ct = std::sqrt(1 - kIndex * kIndex * (1 - c * c)),
+                     rs = (kIndex * c - ct) / (kIndex * c + ct), rp = (c - kIndex * ct) / (c + kIndex * ct),
+                     reflectance = 0.5 * (rs * rs + rp * rp);
+        for (int channel = 0; channel < 3; ++channel) {
+            const double k = scene.state.water->absorption[channel], intensity = lamp.intensity[channel];
+            EXPECT_NEAR(ceiling[channel] / (intensity * lamp_irradiance(r, deep, above, 1 / kIndex, k)), 1,
+                        2e-3)
+                << r;
+            EXPECT_NEAR(bottom[channel] / (intensity * reflectance * c / (way * way) * std::exp(-k * way)), 1,
+                        2e-3)
+                << r;
+        }
+    }
 }
 
 }  // namespace
