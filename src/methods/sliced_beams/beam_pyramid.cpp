@@ -32,6 +32,11 @@ void widen(Box<Real>& box, const Box<Real>& other) {
     box.high_b = std::max(box.high_b, other.high_b);
 }
 
+template <class Real>
+Real size(const Box<Real>& box) {
+    return box.high_a - box.low_a + box.high_b - box.low_b;
+}
+
 /// Spreads the lower 16 bits to the even places.
 std::uint32_t spread(std::uint32_t x) {
     x &= 0xffff;
@@ -124,9 +129,12 @@ void BeamPyramid<Real>::build_finest(std::span<const glm::uvec3> triangles) {
         return NodeId{0, static_cast<std::uint32_t>(i / level.columns),
                       static_cast<std::uint32_t>(i % level.columns)};
     };
-    parallel_for(count, 4096, [&](std::size_t begin, std::size_t end) {
+    constexpr std::size_t kPart = 4096;
+    std::vector<Real> steepest(count / kPart + 1, 0);
+    parallel_for(count, kPart, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             Ends ends{no_box<Real>(), no_box<Real>()};
+            Box<Real> slopes = no_box<Real>();
             Sums sums;
             for (const std::uint32_t beam : beams(node(i))) {
                 if (beam == kNoBeam || !(sheet_.flux[beam] > 0)) continue;
@@ -145,14 +153,23 @@ void BeamPyramid<Real>::build_finest(std::span<const glm::uvec3> triangles) {
                              third * sheet_.start[vertex],
                              third * stretch,
                              sheet_.start[vertex],
-                             sheet_.start[vertex]};
+                             sheet_.start[vertex],
+                             0};
+                    widen(slopes, ray.slope_a, ray.slope_b);
                 }
                 sums.flux += sheet_.flux[beam];
+            }
+            if (sums.flux > 0) {
+                sums.bend = std::max(size(ends.near), size(ends.far)) * size(slopes);
+                steepest[i / kPart] =
+                    std::max({steepest[i / kPart], std::abs(slopes.low_a), std::abs(slopes.high_a),
+                              std::abs(slopes.low_b), std::abs(slopes.high_b)});
             }
             level.ends[i] = ends;
             level.sums[i] = sums;
         }
     });
+    steepest_ = *std::max_element(steepest.begin(), steepest.end());
     levels_.push_back(std::move(level));
 }
 
@@ -188,7 +205,7 @@ typename BeamPyramid<Real>::Level BeamPyramid<Real>::coarser(const Level& finer)
 }
 
 template <class Real>
-Box<Real> BeamPyramid<Real>::box(NodeId node, Real low, Real high) const {
+Box<Real> BeamPyramid<Real>::box(NodeId node, Real low, Real high, Real lean) const {
     const Ends& ends = levels_[node.level].ends[index(node)];
     if (!(ends.near.low_a <= ends.near.high_a)) return no_box<Real>();
     const Real range = farthest_ - nearest_;
@@ -196,11 +213,13 @@ Box<Real> BeamPyramid<Real>::box(NodeId node, Real low, Real high) const {
     const Real t1 = range > 0 ? std::clamp((high - nearest_) / range, Real(0), Real(1)) : Real(0);
     const auto at = [](Real near, Real far, Real t) { return near + t * (far - near); };
     // A few roundings of room: a corner of the node must never fall outside.
+    // Beyond the farthest depth (a footprint may reach there) the bounds grow as fast as any ray can move.
     const Real room =
+        lean * levels_[node.level].sums[index(node)].bend + std::max(Real(0), high - farthest_) * steepest_ +
         Real(8) * std::numeric_limits<Real>::epsilon() *
-        std::max({std::abs(ends.near.low_a), std::abs(ends.near.high_a), std::abs(ends.near.low_b),
-                  std::abs(ends.near.high_b), std::abs(ends.far.low_a), std::abs(ends.far.high_a),
-                  std::abs(ends.far.low_b), std::abs(ends.far.high_b), std::abs(farthest_)});
+            std::max({std::abs(ends.near.low_a), std::abs(ends.near.high_a), std::abs(ends.near.low_b),
+                      std::abs(ends.near.high_b), std::abs(ends.far.low_a), std::abs(ends.far.high_a),
+                      std::abs(ends.far.low_b), std::abs(ends.far.high_b), std::abs(farthest_)});
     Box<Real> box;
     box.low_a =
         std::min(at(ends.near.low_a, ends.far.low_a, t0), at(ends.near.low_a, ends.far.low_a, t1)) - room;

@@ -46,8 +46,12 @@ public:
         /// m, depths between which the beams leave the water.
         Real first_start = std::numeric_limits<Real>::infinity();
         Real last_start = -std::numeric_limits<Real>::infinity();
+        /// m, largest product of a cluster's size and its spread of slopes: by so much, times how far a plane
+        /// leans, a beam's straight edges there may leave the bounds of its slices.
+        Real bend = 0;
 
         Sums& operator+=(const Sums& other) {
+            bend = std::max(bend, other.bend);
             first_start = std::min(first_start, other.first_start);
             last_start = std::max(last_start, other.last_start);
             flux += other.flux;
@@ -69,8 +73,10 @@ public:
     Real farthest() const { return farthest_; }
     bool empty() const { return levels_.empty(); }
     NodeId root() const { return {static_cast<std::uint32_t>(levels_.size() - 1), 0, 0}; }
-    /// Bounds over the depths [low, high]; empty (low > high) where no beam of the node carries light.
-    Box<Real> box(NodeId node, Real low, Real high) const;
+    /// Bounds over the depths [low, high] of the node's rays, and of its beams as landed on a plane that
+    /// changes by `lean` m of depth a m across the axis; empty (low > high) where no beam of the node carries
+    /// light.
+    Box<Real> box(NodeId node, Real low, Real high, Real lean = 0) const;
     const Sums& sums(NodeId node) const { return levels_[node.level].sums[index(node)]; }
     bool dark(NodeId node) const { return !(levels_[node.level].sums[index(node)].flux > 0); }
     /// `visit(child)` for the up to four children of a node above the finest level, in a fixed order.
@@ -80,6 +86,14 @@ public:
         for (std::uint32_t r = 2 * node.row; r < std::min(finer.rows, 2 * node.row + 2); ++r)
             for (std::uint32_t c = 2 * node.column; c < std::min(finer.columns, 2 * node.column + 2); ++c)
                 visit(NodeId{node.level - 1, r, c});
+    }
+    std::size_t levels() const { return levels_.size(); }
+    /// Of a level, 0 the finest.
+    std::uint32_t rows(std::size_t level) const { return levels_[level].rows; }
+    std::uint32_t columns(std::size_t level) const { return levels_[level].columns; }
+    /// Place of a node in its level, row by row.
+    std::size_t index(NodeId node) const {
+        return static_cast<std::size_t>(node.row) * levels_[node.level].columns + node.column;
     }
     /// Triangles of a finest node, kNoBeam where there are fewer; a fixed order.
     std::array<std::uint32_t, kClusterBeams> beams(NodeId node) const;
@@ -93,15 +107,13 @@ private:
         std::vector<Ends> ends;
         std::vector<Sums> sums;
     };
-    std::size_t index(NodeId node) const {
-        return static_cast<std::size_t>(node.row) * levels_[node.level].columns + node.column;
-    }
     void order_indexed(std::span<const glm::uvec3> triangles);
     void build_finest(std::span<const glm::uvec3> triangles);
     Level coarser(const Level& finer) const;
 
     const light::BeamSheet<Real>& sheet_;
     Real nearest_, farthest_;
+    Real steepest_ = 0;                 ///< largest slope along a or b
     std::vector<std::uint32_t> order_;  ///< of an indexed mesh's triangles
     std::vector<Level> levels_;         ///< finest first
 };

@@ -32,6 +32,35 @@ struct LandingFrame {
     }
 };
 
+/// From one receiver's footprint coordinates to those of another one on the same plane: x' = to_x . (x -
+/// centre).
+template <class Real>
+struct PlaneMove {
+    glm::vec<2, Real> centre, to_x, to_y;
+    Real half_x, half_y;  ///< half the extent of the other footprint in the first one's coordinates
+
+    PlaneMove(const LandingFrame<Real>& frame, const Receiver<Real>& r) {
+        const Vec3<Real> offset = r.position - frame.position;
+        centre = {glm::dot(frame.along_x, offset), glm::dot(frame.along_y, offset)};
+        const Real ux = glm::dot(frame.along_x, r.u), uy = glm::dot(frame.along_y, r.u);
+        const Real vx = glm::dot(frame.along_x, r.v), vy = glm::dot(frame.along_y, r.v);
+        const Real scale = 1 / (ux * vy - uy * vx);
+        to_x = {scale * vy, -scale * vx};
+        to_y = {-scale * uy, scale * ux};
+        half_x = Real(0.5) * (std::abs(ux) + std::abs(vx));
+        half_y = Real(0.5) * (std::abs(uy) + std::abs(vy));
+    }
+    LandedBeams<Real> operator()(const LandedBeams<Real>& landed) const {
+        LandedBeams<Real> moved;
+        for (int k = 0; k < 3; ++k) {
+            const Lanes<Real> dx = landed.x[k] - centre.x, dy = landed.y[k] - centre.y;
+            moved.x[k] = to_x.x * dx + to_x.y * dy;
+            moved.y[k] = to_y.x * dx + to_y.y * dy;
+        }
+        return moved;
+    }
+};
+
 /// The rays of up to eight beams, a lane each.
 template <class Real>
 struct ClusterRays {

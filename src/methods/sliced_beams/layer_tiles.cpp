@@ -1,6 +1,7 @@
 #include "methods/sliced_beams/layer_tiles.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "view/camera.h"
 
@@ -39,6 +40,12 @@ std::vector<ReceiverGroup> LayerTiles::groups(std::size_t tile) const {
 }
 
 void LayerTiles::add(std::size_t pixel, std::vector<ReceiverGroup>& groups) const {
+    // Light is caught on the plane of the shading normal, like that of other lights.
+    const glm::vec3 normal = layer_.shading_normal[pixel];
+    const auto on_plane = [&](glm::vec3 edge) { return edge - glm::dot(edge, normal) * normal; };
+    const glm::vec3 u = on_plane(layer_.footprint_u[pixel]), v = on_plane(layer_.footprint_v[pixel]);
+    const float area = glm::length(glm::cross(u, v));
+    if (!(area > 0) || !std::isfinite(area)) return;  // a footprint that says nothing: left to others
     const std::uint32_t object = layer_.object[pixel];
     const bool in_water = (layer_.flags[pixel] & view::kInWater) != 0;
     auto group = std::find_if(groups.begin(), groups.end(), [&](const ReceiverGroup& g) {
@@ -50,10 +57,6 @@ void LayerTiles::add(std::size_t pixel, std::vector<ReceiverGroup>& groups) cons
         group->receivers.reserve(kTileReceivers);
         group->points.reserve(kTileReceivers);
     }
-    // Light is caught on the plane of the shading normal, like that of other lights.
-    const glm::vec3 normal = layer_.shading_normal[pixel];
-    const auto on_plane = [&](glm::vec3 edge) { return edge - glm::dot(edge, normal) * normal; };
-    const glm::vec3 u = on_plane(layer_.footprint_u[pixel]), v = on_plane(layer_.footprint_v[pixel]);
     const glm::vec3 point = layer_.position[pixel];
     group->pixels.push_back(pixel);
     group->receivers.push_back({point + shift_.x * u + shift_.y * v, size_.x * u, size_.y * v, normal});

@@ -1,6 +1,7 @@
 #include "methods/sliced_beams/occluders.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "scene/transform.h"
 
@@ -19,6 +20,10 @@ Bounds shape_bounds(const scene::Object& object, const scene::TriangleMesh* mesh
     return {-half, half};
 }
 
+bool is_finite(const Bounds& b) {
+    return std::isfinite(glm::dot(b.low, b.low) + glm::dot(b.high, b.high));
+}
+
 bool overlap(const Bounds& x, const Bounds& y) {
     return glm::all(glm::lessThanEqual(x.low, y.high)) && glm::all(glm::greaterThanEqual(x.high, y.low));
 }
@@ -26,6 +31,7 @@ bool overlap(const Bounds& x, const Bounds& y) {
 }  // namespace
 
 bool may_meet(const Bounds& from, const Bounds& to, const Bounds& object) {
+    if (!is_finite(from) || !is_finite(to) || !is_finite(object)) return true;
     for (int axis = 0; axis < 3; ++axis) {
         // Along an axis on which the boxes lie apart, the object's interval bounds the part s of the way on
         // which a segment is beside it: v = f + s (t - f) gives the least s for the largest f and t.
@@ -61,7 +67,11 @@ Occluders::Occluders(const scene::FrameScene& scene, const light::BeamSheet<Real
             i < scene.object_meshes.size() ? scene.object_meshes[i].get() : nullptr;
         const glm::dmat4 world_from_object = scene::world_from_object(object.transform);
         const Bounds shape = shape_bounds(object, mesh);
-        Object entry{object.shape != scene::Shape::mesh, {}, {}};
+        Object entry{object.shape == scene::Shape::plane,
+                     object.shape != scene::Shape::mesh,
+                     glm::dvec3(world_from_object[3]) - scene.origin,
+                     {},
+                     {}};
         for (int k = 0; k < 8; ++k) {
             const glm::dvec3 world =
                 glm::dvec3(world_from_object * glm::dvec4(shape.corner(k), 1)) - scene.origin;
@@ -74,8 +84,9 @@ Occluders::Occluders(const scene::FrameScene& scene, const light::BeamSheet<Real
             bounds->low -= room;
             bounds->high += room;
         }
-        beyond_ = std::max(
-            beyond_, glm::length(glm::max(glm::abs(entry.in_world.low), glm::abs(entry.in_world.high))));
+        if (is_finite(entry.in_world))
+            beyond_ = std::max(
+                beyond_, glm::length(glm::max(glm::abs(entry.in_world.low), glm::abs(entry.in_world.high))));
         objects_.push_back(entry);
     }
 }
@@ -84,7 +95,7 @@ bool Occluders::free_after_water(const Bounds (&surface)[2], const Bounds (&rece
                                  std::uint32_t own) const {
     for (std::size_t i = 0; i < objects_.size(); ++i) {
         const Object& object = objects_[i];
-        if (i == own && object.convex) continue;
+        if (i == own) continue;
         if (may_meet(surface[0], receivers[0], object.in_sheet) &&
             may_meet(surface[1], receivers[1], object.in_world))
             return false;

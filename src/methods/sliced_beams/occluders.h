@@ -27,24 +27,32 @@ struct Bounds {
 /// Whether a segment from a point of one box to a point of the other can meet a third; sure where it says no.
 bool may_meet(const Bounds& from, const Bounds& to, const Bounds& object);
 
+constexpr std::uint32_t kNoObject = 0xffffffffu;
+
 /// Which objects can stand in the light of one sheet at all, by bounding boxes: their answer "free" is sure.
 class Occluders {
 public:
     template <class Real>
     Occluders(const scene::FrameScene& scene, const light::BeamSheet<Real>& sheet);
 
-    /// Whether nothing can stand between points of the water and receivers; both boxes in the sheet's axes
-    /// and in the world's. `own`: the receivers' object, which cannot hide itself where it is convex.
+    /// Whether nothing but the object `own` can stand between points of the water and receivers; both boxes
+    /// in the sheet's axes and in the world's.
     bool free_after_water(const Bounds (&surface)[2], const Bounds (&receivers)[2], std::uint32_t own) const;
     /// Whether nothing can stand between the light and points of the water, in world axes.
     bool free_before_water(const Bounds& surface) const;
 
-    /// Planes, boxes and spheres: what lies before one of their faces is not hidden by themselves.
-    bool convex(std::uint32_t object) const { return objects_[object].convex; }
+    /// Whether an object may stand in the light of its own receiver: not where the receiver is on the outside
+    /// of a plane, a box or a sphere.
+    bool may_hide_itself(std::uint32_t object, glm::dvec3 position, glm::dvec3 normal) const {
+        if (object >= objects_.size()) return false;  // receivers of no object
+        const Object& o = objects_[object];
+        return !o.flat && (!o.convex || glm::dot(normal, position - o.centre) <= 0);
+    }
 
 private:
     struct Object {
-        bool convex;
+        bool flat, convex;
+        glm::dvec3 centre;
         Bounds in_sheet, in_world;
     };
     glm::dvec3 to_sun_;  ///< 0: a lamp

@@ -110,7 +110,7 @@ PointPaths find_point_paths(const scene::FrameScene& scene, const rays::RayScene
     FrameStats stats;
     for (const light::Chain& chain : chains) {
         for (light::BeamSheet<double>& sheet : light::water_beams<double>(scene, rays, chain, 1, stats)) {
-            if (sheet.in_water() != in_water || !(sheet.color.g > 0)) continue;
+            if (sheet.in_water() != in_water || !sheet.counts_paths) continue;
             const double depth = glm::dot(sheet.world_from_mesh[2], point.position);
             const SheetCoverage<double> coverage(scene, rays, std::move(sheet),
                                                  depth + 1e-3 * (1 + std::abs(depth)));

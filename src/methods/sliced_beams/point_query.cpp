@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "base/parallel.h"
 
@@ -45,6 +44,11 @@ int holds(const Landed& a, const Landed& b, const Landed& c) {
     return first != 0 && first == side(b, c) && first == side(c, a) ? first : 0;
 }
 
+template <class Real>
+Box<Real> point_box(const Receiver<Real>& r) {
+    return {r.position.x, r.position.x, r.position.y, r.position.y};
+}
+
 }  // namespace
 
 template <class Real>
@@ -53,21 +57,6 @@ PointQuery<Real>::PointQuery(const SheetCoverage<Real>& sheet, const BeamNeighbo
     if (sheet.pyramid().empty()) return;
     constexpr std::size_t kPart = 1 << 14;
     const std::size_t beams = sheet.triangles().size();
-    std::vector<Margin> parts(beams / kPart + 1);
-    parallel_for(beams, kPart, [&](std::size_t begin, std::size_t end) {
-        Margin largest;
-        for (std::size_t i = begin; i < end; ++i) {
-            if (!(sheet.sheet().flux[i] > 0)) continue;
-            const Margin own = second_difference(static_cast<std::uint32_t>(i));
-            largest.near = std::max(largest.near, own.near);
-            largest.far = std::max(largest.far, own.far);
-        }
-        parts[begin / kPart] = largest;
-    });
-    for (const Margin& part : parts) {
-        margin_.near = std::max(margin_.near, part.near);
-        margin_.far = std::max(margin_.far, part.far);
-    }
     std::vector<std::uint8_t> turns(beams);
     parallel_for(beams, kPart, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i)
@@ -83,6 +72,38 @@ PointQuery<Real>::PointQuery(const SheetCoverage<Real>& sheet, const BeamNeighbo
             }
         }
     });
+    find_margins();
+}
+
+template <class Real>
+void PointQuery<Real>::find_margins() {
+    const BeamPyramid<Real>& pyramid = sheet_.pyramid();
+    margins_.resize(pyramid.levels());
+    for (std::uint32_t level = 0; level < margins_.size(); ++level) {
+        const std::uint32_t columns = pyramid.columns(level);
+        margins_[level].resize(static_cast<std::size_t>(pyramid.rows(level)) * columns);
+        parallel_for(margins_[level].size(), 4096, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) {
+                const NodeId node{level, static_cast<std::uint32_t>(i / columns),
+                                  static_cast<std::uint32_t>(i % columns)};
+                Margin& margin = margins_[level][i];
+                if (level > 0) {
+                    pyramid.visit_children(node, [&](NodeId child) {
+                        margin.widen(margins_[child.level][pyramid.index(child)]);
+                    });
+                    continue;
+                }
+                for (const std::uint32_t beam : pyramid.beams(node)) {
+                    if (beam == kNoBeam || !may_fold_[beam]) continue;
+                    margin.widen(second_difference(beam));
+                    for (int edge = 0; edge < 3; ++edge) {
+                        const Neighbor neighbor = neighbors_.across(beam, edge);
+                        if (neighbor.triangle != kNoBeam) margin.widen(second_difference(neighbor.triangle));
+                    }
+                }
+            }
+        });
+    }
 }
 
 /// Whether the area of the beam's slices, a quadratic of depth, falls below a tenth of what it is at the
@@ -135,17 +156,30 @@ typename PointQuery<Real>::Margin PointQuery<Real>::second_difference(std::uint3
     return largest;
 }
 
-/// How far from its landed edges any beam can have a fold's flag at a point's depth: by the largest second
-/// difference (a norm of something linear in depth is convex), on a plane that leans as much longer as it is
-/// longer seen along the axis.
 template <class Real>
-Real PointQuery<Real>::margin(const Receiver<Real>& local) const {
+typename PointQuery<Real>::Reach PointQuery<Real>::reach(const Receiver<Real>& local) const {
+    return {local.position.z, local.position.z, sheet_.lean(local.normal),
+            1 / std::max(Real(0.1), std::abs(local.normal.z))};
+}
+
+template <class Real>
+Box<Real> PointQuery<Real>::box(NodeId node, const Reach& reach) const {
     const BeamPyramid<Real>& pyramid = sheet_.pyramid();
+    const Margin& margin = margins_[node.level][pyramid.index(node)];
     const Real range = pyramid.farthest() - pyramid.nearest();
-    const Real t =
-        range > 0 ? std::clamp((local.position.z - pyramid.nearest()) / range, Real(0), Real(1)) : Real(0);
-    const Real level = margin_.near + t * (margin_.far - margin_.near);
-    return Real(1.1 * kFoldShare) * level / std::max(Real(0.1), std::abs(local.normal.z));
+    // A norm of something linear in depth is convex: its chord bounds it, and is largest at an end.
+    const auto at = [&](Real depth) {
+        const Real t =
+            range > 0 ? std::clamp((depth - pyramid.nearest()) / range, Real(0), Real(1)) : Real(0);
+        return margin.near + t * (margin.far - margin.near);
+    };
+    const Real room = Real(1.1 * kFoldShare) * reach.stretch * std::max(at(reach.low), at(reach.high));
+    Box<Real> box = pyramid.box(node, reach.low - room, reach.high + room, reach.lean);
+    box.low_a -= room;
+    box.high_a += room;
+    box.low_b -= room;
+    box.high_b += room;
+    return box;
 }
 
 /// Nodes that can matter to any of the points: not much larger than the region of all of them.
@@ -153,30 +187,28 @@ template <class Real>
 std::vector<typename PointQuery<Real>::FoundNode> PointQuery<Real>::find_nodes(
     std::span<const Receiver<Real>> locals) const {
     const BeamPyramid<Real>& pyramid = sheet_.pyramid();
-    constexpr Real infinity = std::numeric_limits<Real>::infinity();
-    Box<Real> bounds{infinity, -infinity, infinity, -infinity};
-    Real low = infinity, high = -infinity;
-    for (const Receiver<Real>& r : locals) {
-        const Real m = margin(r);
-        bounds.low_a = std::min(bounds.low_a, r.position.x - m);
-        bounds.high_a = std::max(bounds.high_a, r.position.x + m);
-        bounds.low_b = std::min(bounds.low_b, r.position.y - m);
-        bounds.high_b = std::max(bounds.high_b, r.position.y + m);
-        low = std::min(low, r.position.z - m);
-        high = std::max(high, r.position.z + m);
-    }
     std::vector<FoundNode> nodes;
-    if (pyramid.empty() || high < pyramid.nearest()) return nodes;
+    if (pyramid.empty() || locals.empty()) return nodes;
+    Box<Real> bounds = point_box(locals.front());
+    Reach all = reach(locals.front());
+    for (const Receiver<Real>& r : locals) {
+        const Box<Real> own = point_box(r);
+        const Reach one = reach(r);
+        bounds = {std::min(bounds.low_a, own.low_a), std::max(bounds.high_a, own.high_a),
+                  std::min(bounds.low_b, own.low_b), std::max(bounds.high_b, own.high_b)};
+        all = {std::min(all.low, one.low), std::max(all.high, one.high), std::max(all.lean, one.lean),
+               std::max(all.stretch, one.stretch)};
+    }
     std::vector<NodeId> open{pyramid.root()};
     const Real small_a = (bounds.high_a - bounds.low_a) / 4, small_b = (bounds.high_b - bounds.low_b) / 4;
     while (!open.empty()) {
         const NodeId node = open.back();
         open.pop_back();
         if (pyramid.dark(node)) continue;
-        const Box<Real> box = pyramid.box(node, low, high);
-        if (!overlap(box, bounds)) continue;
-        if (node.level == 0 || (box.high_a - box.low_a < small_a && box.high_b - box.low_b < small_b))
-            nodes.push_back({node, box});
+        const Box<Real> found = box(node, all);
+        if (!overlap(found, bounds)) continue;
+        if (node.level == 0 || (found.high_a - found.low_a < small_a && found.high_b - found.low_b < small_b))
+            nodes.push_back({node, found});
         else
             pyramid.visit_children(node, [&](NodeId child) { open.push_back(child); });
     }
@@ -189,9 +221,8 @@ void PointQuery<Real>::visit_hits(const Receiver<Real>& local, std::span<const F
                                   Visit&& visit) const {
     const BeamPyramid<Real>& pyramid = sheet_.pyramid();
     const LandingFrame<Real> frame(local);
-    const Real m = margin(local);
-    const Box<Real> own{local.position.x - m, local.position.x + m, local.position.y - m,
-                        local.position.y + m};
+    const Reach at = reach(local);
+    const Box<Real> own = point_box(local);
     // Which way round a beam lands that has not turned over: the tangent plane's coordinates against its
     // normal, and whether light comes down through the water's facets, which are counter-clockwise seen from
     // the air.
@@ -204,7 +235,7 @@ void PointQuery<Real>::visit_hits(const Receiver<Real>& local, std::span<const F
         const NodeId node = open.back();
         open.pop_back();
         if (pyramid.dark(node)) continue;
-        if (!overlap(pyramid.box(node, local.position.z - m, local.position.z + m), own)) continue;
+        if (!overlap(box(node, at), own)) continue;
         if (node.level > 0) {
             pyramid.visit_children(node, [&](NodeId child) { open.push_back(child); });
             continue;

@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <span>
 #include <vector>
 
@@ -42,8 +43,21 @@ public:
 
 private:
     using NodeId = typename BeamPyramid<Real>::NodeId;
+    /// m, largest second difference at the pyramid's two depths, of beams that may fold and those beside
+    /// them.
     struct Margin {
-        Real near = 0, far = 0;  ///< m, largest second difference at the pyramid's two depths
+        Real near = 0, far = 0;
+
+        void widen(const Margin& other) {
+            near = std::max(near, other.near);
+            far = std::max(far, other.far);
+        }
+    };
+    /// How far from its landed edges a beam can have a fold's flag.
+    struct Reach {
+        Real low, high;  ///< depths, m
+        Real lean;       ///< of the steepest plane
+        Real stretch;    ///< of lengths along the planes against those across the axis
     };
     struct FoundNode {
         NodeId node;
@@ -51,7 +65,10 @@ private:
     };
     Margin second_difference(std::uint32_t beam) const;
     bool may_turn_over(std::uint32_t beam) const;
-    Real margin(const Receiver<Real>& local) const;
+    void find_margins();
+    Reach reach(const Receiver<Real>& local) const;
+    /// Where points can lie that the node's beams cover or flag.
+    Box<Real> box(NodeId node, const Reach& reach) const;
     std::vector<FoundNode> find_nodes(std::span<const Receiver<Real>> locals) const;
     template <class Visit>
     void visit_hits(const Receiver<Real>& local, std::span<const FoundNode> nodes, bool& fold,
@@ -60,7 +77,7 @@ private:
 
     const SheetCoverage<Real>& sheet_;
     const BeamNeighbors& neighbors_;
-    Margin margin_;
+    std::vector<std::vector<Margin>> margins_;  ///< beside the pyramid's levels
     /// 1 where the beam or one beside it comes near to turning over between the pyramid's depths: only such
     /// edges are looked at.
     std::vector<std::uint8_t> may_fold_;

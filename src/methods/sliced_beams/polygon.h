@@ -20,7 +20,8 @@ struct ClippedBeam {
 template <class Real>
 ClippedBeam<Real> clip_beam(const Real (&x)[3], const Real (&y)[3], const Real (&past_start)[3]) {
     using Corner = std::array<Real, 3>;
-    std::array<Corner, 9> polygon{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}, cut;
+    // A convex polygon gains one corner a cut; one that rounding has bent, at most half as many again.
+    std::array<Corner, 24> polygon{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}, cut;
     std::size_t corners = 3;
     const auto value = [](const Corner& c, const Real(&f)[3]) {
         return c[0] * f[0] + c[1] * f[1] + c[2] * f[2];

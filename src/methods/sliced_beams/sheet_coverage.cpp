@@ -77,7 +77,6 @@ SheetCoverage<Real>::SheetCoverage(const scene::FrameScene& scene, const rays::R
       occluders_(scene, sheet_) {
     const SheetExtremes<Real> extremes = find_extremes(sheet_);
     const bool lit = extremes.first_start <= extremes.last_start;
-    last_start_ = lit ? extremes.last_start : 0;
     mean_start_ = lit ? (extremes.first_start + extremes.last_start) / 2 : 0;
     steepest_a_ = extremes.steepest_a;
     steepest_b_ = extremes.steepest_b;
@@ -105,6 +104,7 @@ Receiver<Real> SheetCoverage<Real>::in_sheet(const Receiver<Real>& world) const 
     const Real way = r.position.z - mean_start_;
     const Mat2 across(Vec2(r.u), Vec2(r.v));
     const Real determinant = glm::determinant(across);
+    // A plane along the light has no image of the disc; it catches next to nothing of it.
     if (!(way > 0) || std::abs(determinant) < Real(1e-3) * glm::length(glm::cross(r.u, r.v))) return r;
     const Mat2 inverse = glm::inverse(across);
     const Vec2 e = inverse * (way * Vec2(sheet_.disc_u)), f = inverse * (way * Vec2(sheet_.disc_v));

@@ -40,8 +40,6 @@ public:
     const light::BeamSheet<Real>& sheet() const { return sheet_; }
     const BeamPyramid<Real>& pyramid() const { return *pyramid_; }
     std::span<const glm::uvec3> triangles() const { return scene_.water->mesh.triangles; }
-    /// m of depth at which the last ray leaves the water.
-    Real last_start() const { return last_start_; }
     glm::dvec3 absorption() const { return absorption_; }
 
     /// Adds this sheet's irradiance [W/m^2] of up to kTileReceivers receivers near each other on one object,
@@ -49,6 +47,13 @@ public:
     void add(std::span<const Receiver<Real>> receivers, std::uint32_t object,
              std::span<Vec3<Real>> irradiance, QueryCounts& counts) const;
 
+    /// How far a plane leans, m of depth a m across the axis, as rays see it that land within a beam: large
+    /// where they run along it. `normal` is in the sheet's axes.
+    Real lean(const Vec3<Real>& normal) const {
+        const Real facing =
+            std::abs(normal.z) - std::abs(normal.x) * steepest_a_ - std::abs(normal.y) * steepest_b_;
+        return std::sqrt(normal.x * normal.x + normal.y * normal.y) / std::max(Real(0.01), facing);
+    }
     /// The receiver in the sheet's axes.
     Receiver<Real> rotated(const Receiver<Real>& world) const;
     /// The same, its footprint widened by the sheet's part of the sun's disc.
@@ -64,7 +69,6 @@ private:
     glm::mat<3, 3, Real> sheet_from_world_;
     std::unique_ptr<BeamPyramid<Real>> pyramid_;
     Occluders occluders_;
-    Real last_start_ = 0;
     Real mean_start_ = 0;
     Real steepest_a_ = 0, steepest_b_ = 0;  ///< largest slopes
     glm::dvec3 absorption_{0, 0, 0};        ///< /m, a channel; 0 in the air

@@ -10,6 +10,8 @@ namespace dapple::methods::sliced_beams {
 namespace {
 
 constexpr std::size_t kPairsAtOnce = 4096;
+/// Landed at one go: some 2 MB. A tile that looks along the water may find millions.
+constexpr std::size_t kClustersAtOnce = 4096;
 
 template <class Real>
 Bounds bounds_of(const Box<Real>& box, Real low, Real high) {
@@ -52,6 +54,7 @@ void Tile<Real>::place_receivers(std::span<const Receiver<Real>> receivers) {
         high_ = std::max(high_, r.position.z + half.z);
         least_a_ = std::min(least_a_, 2 * half.x);
         least_b_ = std::min(least_b_, 2 * half.y);
+        lean_ = std::max(lean_, sheet_.lean(r.normal));
         locals_.push_back(local);
     }
 }
@@ -97,7 +100,7 @@ void Tile<Real>::find_nodes() {
         const NodeId node = open.back();
         open.pop_back();
         if (pyramid_.dark(node) || pyramid_.sums(node).first_start > high_) continue;
-        const Box<Real> box = pyramid_.box(node, low_, high_);
+        const Box<Real> box = this->box(node);
         if (!overlap(box, bounds_)) continue;
         const bool below = pyramid_.sums(node).last_start < low_;
         below_surface_ = below_surface_ && (below || node.level > 0);
@@ -138,7 +141,13 @@ bool Tile<Real>::test_free() {
             }
         }
     }
-    free_after_ = sheet_.occluders_.free_after_water(surface, receivers, object_);
+    may_hide_itself_ = std::any_of(locals_.begin(), locals_.end(), [&](const Local& local) {
+        return sheet_.occluders_.may_hide_itself(
+            object_, sheet_.sheet_.world_from_mesh * glm::dvec3(local.receiver.position),
+            sheet_.sheet_.world_from_mesh * glm::dvec3(local.receiver.normal));
+    });
+    free_after_ =
+        sheet_.occluders_.free_after_water(surface, receivers, may_hide_itself_ ? kNoObject : object_);
     free_before_ = sheet_.occluders_.free_before_water(surface[1]);
     return free_after_ && free_before_;
 }
@@ -152,7 +161,8 @@ bool Tile<Real>::planar() const {
     return std::all_of(locals_.begin(), locals_.end(), [&](const Local& local) {
         const Receiver<Real>& r = local.receiver;
         const Real size = std::max({std::abs(r.position.x), std::abs(r.position.y), std::abs(r.position.z)});
-        return out_of_plane(r.position - first.position) <= rounding * size &&
+        return glm::dot(r.normal, first.normal) > 0 &&
+               out_of_plane(r.position - first.position) <= rounding * size &&
                out_of_plane(r.u) <= Real(1e-5) * glm::length(r.u) &&
                out_of_plane(r.v) <= Real(1e-5) * glm::length(r.v);
     });
@@ -189,19 +199,20 @@ void Tile<Real>::land_cluster(NodeId node, const LandingFrame<Real>& frame, LitC
 }
 
 template <class Real>
-typename Tile<Real>::LandedTile Tile<Real>::land_all(const LandingFrame<Real>& frame) {
+typename Tile<Real>::LandedTile Tile<Real>::land_all(std::span<const NodeId> clusters,
+                                                     const LandingFrame<Real>& frame) {
     constexpr Real infinity = std::numeric_limits<Real>::infinity();
     LandedTile tile;
-    tile.clusters.resize(clusters_.size());
+    tile.clusters.resize(clusters.size());
     const std::size_t padded =
-        (clusters_.size() + kClusterBeams - 1) / kClusterBeams * static_cast<std::size_t>(kClusterBeams);
+        (clusters.size() + kClusterBeams - 1) / kClusterBeams * static_cast<std::size_t>(kClusterBeams);
     tile.low_x.assign(padded, infinity);
     tile.low_y.assign(padded, infinity);
     tile.high_x.assign(padded, -infinity);
     tile.high_y.assign(padded, -infinity);
-    for (std::size_t i = 0; i < clusters_.size(); ++i) {
+    for (std::size_t i = 0; i < clusters.size(); ++i) {
         LitCluster<Real>& lit = tile.clusters[i];
-        land_cluster(clusters_[i], frame, lit);
+        land_cluster(clusters[i], frame, lit);
         for (int c = 0; c < kChunks<Real>; ++c) {
             for (int lane = 0; lane < kLanes<Real>; ++lane) {
                 if (!lit.landed[c].lands[lane]) continue;
@@ -220,29 +231,21 @@ typename Tile<Real>::LandedTile Tile<Real>::land_all(const LandingFrame<Real>& f
 
 template <class Real>
 void Tile<Real>::add_planar() {
-    const Receiver<Real>& first = locals_.front().receiver;
-    const LandingFrame<Real> frame(first);
-    const LandedTile tile = land_all(frame);
+    const LandingFrame<Real> frame(locals_.front().receiver);
+    const std::span<const NodeId> all(clusters_);
+    for (std::size_t part = 0; part < all.size(); part += kClustersAtOnce)
+        add_landed(land_all(all.subspan(part, std::min(kClustersAtOnce, all.size() - part)), frame), frame);
+    if (nodes_.empty()) return;
+    for (const Local& local : locals_) add_nodes(local);
+}
+
+/// Light of clusters that are landed on the receivers' common plane.
+template <class Real>
+void Tile<Real>::add_landed(const LandedTile& tile, const LandingFrame<Real>& frame) {
     for (const Local& local : locals_) {
-        const Receiver<Real>& r = local.receiver;
-        // The receiver in coordinates of the first one's footprint, and the way from these to its own.
-        const Vec3<Real> offset = r.position - first.position;
-        const Real x = glm::dot(frame.along_x, offset), y = glm::dot(frame.along_y, offset);
-        const Real ux = glm::dot(frame.along_x, r.u), uy = glm::dot(frame.along_y, r.u);
-        const Real vx = glm::dot(frame.along_x, r.v), vy = glm::dot(frame.along_y, r.v);
-        const Real scale = 1 / (ux * vy - uy * vx);
-        const Real xx = scale * vy, xy = -scale * vx, yx = -scale * uy, yy = scale * ux;
-        const Real half_x = Real(0.5) * (std::abs(ux) + std::abs(vx));
-        const Real half_y = Real(0.5) * (std::abs(uy) + std::abs(vy));
-        const auto at = [&](const LandedBeams<Real>& landed) {
-            LandedBeams<Real> moved;
-            for (int k = 0; k < 3; ++k) {
-                const Lanes<Real> dx = landed.x[k] - x, dy = landed.y[k] - y;
-                moved.x[k] = xx * dx + xy * dy;
-                moved.y[k] = yx * dx + yy * dy;
-            }
-            return moved;
-        };
+        const PlaneMove<Real> move(frame, local.receiver);
+        const Real low_x = move.centre.x - move.half_x, high_x = move.centre.x + move.half_x;
+        const Real low_y = move.centre.y - move.half_y, high_y = move.centre.y + move.half_y;
         Lanes<Real> power[3] = {};
         for (std::size_t i = 0; i < tile.low_x.size(); i += static_cast<std::size_t>(kLanes<Real>)) {
             const auto load_lanes = [i](const std::vector<Real>& values) {
@@ -250,23 +253,21 @@ void Tile<Real>::add_planar() {
                 std::copy_n(values.data() + i, kLanes<Real>, reinterpret_cast<Real*>(&lanes));
                 return lanes;
             };
-            unsigned met =
-                bits((load_lanes(tile.low_x) <= x + half_x) & (load_lanes(tile.high_x) >= x - half_x) &
-                     (load_lanes(tile.low_y) <= y + half_y) & (load_lanes(tile.high_y) >= y - half_y));
+            unsigned met = bits((load_lanes(tile.low_x) <= high_x) & (load_lanes(tile.high_x) >= low_x) &
+                                (load_lanes(tile.low_y) <= high_y) & (load_lanes(tile.high_y) >= low_y));
             for (; met != 0; met &= met - 1)
                 add_cluster(local, tile.clusters[i + static_cast<std::size_t>(__builtin_ctz(met))], power,
-                            at);
+                            move);
         }
         irradiance_[local.index] +=
             local.inverse_area * Vec3<Real>(sum(power[0]), sum(power[1]), sum(power[2]));
-        if (!nodes_.empty()) add_nodes(local);
     }
 }
 
 template <class Real>
 void Tile<Real>::add_curved() {
     std::vector<Box<Real>> boxes(clusters_.size());
-    for (std::size_t i = 0; i < clusters_.size(); ++i) boxes[i] = pyramid_.box(clusters_[i], low_, high_);
+    for (std::size_t i = 0; i < clusters_.size(); ++i) boxes[i] = box(clusters_[i]);
     for (const Local& local : locals_) {
         const Receiver<Real>& r = local.receiver;
         const LandingFrame<Real> frame(r);
@@ -345,7 +346,7 @@ void Tile<Real>::add_pair(const Local& local, const LitCluster<Real>& lit, int c
         py += weight * y[k];
     }
     // Where a surface curves, its tangent plane may lie inside it.
-    if (sheet_.occluders_.convex(object_) && !empty) landed += px * r.u + py * r.v;
+    if (!may_hide_itself_ && !empty) landed += px * r.u + py * r.v;
     const glm::mat<3, 3, Real> world_from_sheet(sheet_.sheet_.world_from_mesh);
     pairs_.push_back(
         {local.index, irradiance, glm::vec3(world_from_sheet * landed), glm::vec3(world_from_sheet * water)});
@@ -410,7 +411,7 @@ void Tile<Real>::add_nodes(const Local& local) {
         if (pyramid_.dark(node)) continue;
         // A ray that is within the footprint's prism along the axis at both depths is so between them, where
         // it lands: all rays of the node are, if its box is.
-        const Box<Real> box = pyramid_.box(node, low, high);
+        const Box<Real> box = pyramid_.box(node, low, high, lean_);
         const Vec2 middle = Real(0.5) * Vec2(box.low_a + box.high_a, box.low_b + box.high_b) - centre;
         const Vec2 half = Real(0.5) * Vec2(box.high_a - box.low_a, box.high_b - box.low_b);
         const Real x = std::abs(glm::dot(to_x, middle)), reach_x = glm::dot(glm::abs(to_x), half);

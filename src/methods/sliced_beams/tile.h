@@ -44,10 +44,6 @@ private:
         Real inverse_area;  ///< 1/m^2
         std::size_t index;
     };
-    struct Whole {
-        Box<Real> box;
-        NodeId node;
-    };
     /// A beam's share of a receiver's light, if nothing stands in its way.
     struct Pair {
         std::size_t index;
@@ -65,12 +61,13 @@ private:
     void find_nodes();
     bool test_free();
     bool planar() const;
+    Box<Real> box(NodeId node) const { return pyramid_.box(node, low_, high_, lean_); }
     void land_cluster(NodeId node, const LandingFrame<Real>& frame, LitCluster<Real>& lit);
-    LandedTile land_all(const LandingFrame<Real>& frame);
+    LandedTile land_all(std::span<const NodeId> clusters, const LandingFrame<Real>& frame);
     void add_planar();
+    void add_landed(const LandedTile& tile, const LandingFrame<Real>& frame);
     void add_curved();
     void add_nodes(const Local& local);
-    void add_node(const Local& local, NodeId node, Vec3<Real>& power);
     Vec3<Real> whole(const Local& local, NodeId node);
     /// Adds the cluster's light on a footprint, or the pairs to be tested. `at` moves landed beams to the
     /// receiver's footprint coordinates.
@@ -87,11 +84,13 @@ private:
     std::uint32_t object_;
     std::vector<Local> locals_;
     Box<Real> bounds_{};
-    Real low_ = 0, high_ = 0;         ///< depths of the receivers
+    Real low_ = 0, high_ = 0;  ///< depths of the receivers
+    Real lean_ = 0;            ///< largest change of depth a m across the axis on the receivers' planes
     Real least_a_ = 0, least_b_ = 0;  ///< extents of the smallest footprint
     bool below_surface_ = true;       ///< all receivers lie deeper than the starts of all beams found
     bool whole_allowed_ = false;
     bool free_after_ = true, free_before_ = true;
+    bool may_hide_itself_ = true;  ///< the receivers' object
     std::vector<NodeId> clusters_;
     std::vector<NodeId> nodes_;  ///< above the finest level: smaller than the footprints
     std::vector<Pair> pairs_;
