@@ -64,11 +64,6 @@ std::string signed_number(int value) {
     return (value > 0 ? "+" : "") + std::to_string(value);
 }
 
-std::string object_name(const scene::FrameState& state, std::uint32_t object) {
-    const std::string& name = state.objects[object].name;
-    return name.empty() ? "objects[" + std::to_string(object) + "]" : name;
-}
-
 const char* blocked_between(const PointPath& path) {
     return path.blocked_in_air ? "light and water" : "water and receiver";
 }
@@ -85,9 +80,10 @@ void print_paths(const scene::FrameState& state, const std::string& chain,
     std::printf("  %-34s  %-26s  %-28s  %11s  %9s  %9s  %-5s %s\n", "on the water [m]", "direction",
                 "E [W/m^2]", "det J", "way [m]", "triangle", "fold", "");
     for (const PointPath* path : paths) {
-        const std::string blocked = path->blocker ? "blocked by " + object_name(state, *path->blocker) +
-                                                        " between " + blocked_between(*path)
-                                                  : "lit";
+        const std::string blocked = path->blocker
+                                        ? "blocked by " + render::object_name(state, *path->blocker) +
+                                              " between " + blocked_between(*path)
+                                        : "lit";
         char direction[64];
         std::snprintf(direction, sizeof direction, "(%.4f, %.4f, %.4f)", path->direction.x, path->direction.y,
                       path->direction.z);
@@ -113,8 +109,10 @@ void print_receiver(const scene::FrameState& state, const ProbedReceiver& receiv
             std::printf("oracle: %s: %s\n", oracle.chain.c_str(), oracle.unavailable.c_str());
             continue;
         }
-        std::printf("oracle: %s: %s, sum of signs %s, %s\n", oracle.chain.c_str(),
-                    count(static_cast<std::size_t>(oracle.paths), "path").c_str(),
+        const std::string behind =
+            oracle.behind_waves > 0 ? ", " + std::to_string(oracle.behind_waves) + " more behind waves" : "";
+        std::printf("oracle: %s: %s%s, sum of signs %s, %s\n", oracle.chain.c_str(),
+                    count(static_cast<std::size_t>(oracle.paths), "path").c_str(), behind.c_str(),
                     signed_number(oracle.sign_sum).c_str(), oracle.proven ? "proven" : "not proven");
     }
 }
@@ -164,7 +162,7 @@ Json to_json(const scene::FrameState& state, const PointPath& path) {
                  {"near_fold", path.near_fold},
                  {"blocked_by", nullptr}};
     if (path.blocker) {
-        json["blocked_by"] = object_name(state, *path.blocker);
+        json["blocked_by"] = render::object_name(state, *path.blocker);
         json["blocked_between"] = blocked_between(path);
     }
     return json;
@@ -179,6 +177,7 @@ Json to_json(const scene::FrameState& state, const ProbedReceiver& receiver) {
             oracle.push_back({{"chain", chain.chain},
                               {"paths", chain.paths},
                               {"sign_sum", chain.sign_sum},
+                              {"behind_waves", chain.behind_waves},
                               {"proven", chain.proven}});
         else
             oracle.push_back({{"chain", chain.chain}, {"unavailable", chain.unavailable}});
@@ -216,6 +215,11 @@ ExitCode probe(const Arguments& arguments, bool frame_given) {
                            coordinate("Y", arguments.y, clip.height));
     run::check_readable(timeline.input_files());
     const scene::FrameState state = timeline.at(frame_given ? arguments.frame : clip.first_frame);
+    if (state.frame < clip.first_frame || state.frame > clip.last_frame) {
+        // To stderr: stdout may be JSON for a program.
+        std::fprintf(stderr, "note: frame %lld lies outside the clip, where its curves hold\n",
+                     static_cast<long long>(state.frame));
+    }
     const std::vector<ProbedView> views = render::probe(state, place);
     if (arguments.json) {
         print_json(state, place, views);

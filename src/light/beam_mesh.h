@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "scene/frame_state.h"
+
 namespace dapple::light {
 
 enum class Event { transmission, reflection };
@@ -13,6 +15,9 @@ struct Chain {
     int light = 0;
     Event event = Event::transmission;
 };
+
+/// "sun > water:T": the light by its name, or as "lights[2]" where it has none.
+std::string chain_name(const scene::FrameState& state, Chain chain);
 
 /// Light rays just after one chain of events from one light: a grid whose vertices are rays ("photons") and
 /// whose cells are caustic beams. A ray is a point on the plane through the frame's origin perpendicular to

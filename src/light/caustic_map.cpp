@@ -85,7 +85,7 @@ BeamRaysPush rays_push(const scene::FrameScene& scene, const MapPlan& plan, cons
 BeamMesh empty_mesh(const scene::FrameScene& scene, const MapPlan& plan, int light_index, Event event) {
     const scene::Light& light = scene.state.lights[static_cast<std::size_t>(light_index)];
     BeamMesh mesh;
-    mesh.name = light.name + (event == Event::transmission ? " > water:T" : " > water:R");
+    mesh.name = chain_name(scene.state, {light_index, event});
     mesh.light = light_index;
     mesh.event = event;
     mesh.from_below = plan.from_below;

@@ -177,8 +177,7 @@ std::vector<BeamSheet<Real>> water_beams(const scene::FrameScene& scene, const r
 
     std::vector<glm::dvec3> directions = {setup.light.direction};
     if (sun) directions = sun_directions(setup.light, setup.sun_samples);
-    const std::string name =
-        setup.light.name + (setup.event == Event::transmission ? " > water:T" : " > water:R");
+    const std::string name = chain_name(scene.state, chain);
     SheetTracer<Real> tracer(scene, rays, chain, setup);
     for (std::size_t i = 0; i < directions.size(); ++i) {
         if (sun && !(directions[i].y < -kLowestSun)) continue;

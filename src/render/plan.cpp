@@ -142,7 +142,7 @@ private:
         const scene::Light& light = state_.lights[static_cast<std::size_t>(index)];
         const bool above = light_above_water(light);
         const bool lands_above = (event == light::Event::reflection) == above;
-        const std::string pass = chain_name(state_, {index, event});
+        const std::string pass = light::chain_name(state_, {index, event});
         if (support_.degree == methods::Support::Degree::no) {
             add(pass, false, "the method does not serve this scene");
             return;
@@ -216,12 +216,6 @@ private:
 };
 
 }  // namespace
-
-std::string chain_name(const scene::FrameState& state, light::Chain chain) {
-    const std::string& name = state.lights[static_cast<std::size_t>(chain.light)].name;
-    return (name.empty() ? "lights[" + std::to_string(chain.light) + "]" : name) +
-           " > water:" + (chain.event == light::Event::transmission ? "T" : "R");
-}
 
 bool light_above_water(const scene::Light& light) {
     return light.type == scene::LightType::sun || light.position.y > 0;

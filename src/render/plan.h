@@ -20,9 +20,6 @@ struct Plan {
     std::vector<PlanLine> lines;  ///< what --plan prints
 };
 
-/// "sun > water:T": the light by its name, or its index where it has none.
-std::string chain_name(const scene::FrameState& state, light::Chain chain);
-
 /// By the rest plane: what counts for plans.
 bool light_above_water(const scene::Light& light);
 

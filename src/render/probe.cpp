@@ -25,15 +25,21 @@ std::vector<light::Chain> chains_to(const scene::FrameState& state, bool in_wate
 
 OracleCount ask_oracle(const scene::FrameState& state, light::Chain chain, const ProbedReceiver& receiver) {
     OracleCount count;
-    count.chain = chain_name(state, chain);
+    count.chain = light::chain_name(state, chain);
     const scene::Light& light = state.lights[static_cast<std::size_t>(chain.light)];
     try {
         const oracle::Oracle oracle(*state.water, light, state.time,
                                     chain.event == light::Event::transmission ? oracle::Event::transmission
                                                                               : oracle::Event::reflection);
         const oracle::Result result = oracle.paths(receiver.position, receiver.normal);
-        count.paths = static_cast<int>(result.paths.size());
-        count.sign_sum = result.sign();
+        for (const oracle::Path& path : result.paths) {
+            if (path.blocked) {
+                ++count.behind_waves;
+            } else {
+                ++count.paths;
+                count.sign_sum += path.sign;
+            }
+        }
         count.proven = result.proven;
     } catch (const Error& error) {
         count.unavailable = error.what();
@@ -45,8 +51,7 @@ ProbedReceiver receiver_of(const scene::FrameScene& scene, const rays::RayScene&
                            const view::ReceiverLayer& layer) {
     const scene::FrameState& state = scene.state;
     ProbedReceiver receiver;
-    const std::string& name = state.objects[layer.object[0]].name;
-    receiver.object = name.empty() ? "objects[" + std::to_string(layer.object[0]) + "]" : name;
+    receiver.object = object_name(state, layer.object[0]);
     receiver.position = glm::dvec3(layer.position[0]) + scene.origin;
     receiver.normal = glm::dvec3(layer.geometric_normal[0]);
     receiver.in_water = (layer.flags[0] & view::kInWater) != 0;
@@ -67,6 +72,11 @@ ProbedReceiver receiver_of(const scene::FrameScene& scene, const rays::RayScene&
 }
 
 }  // namespace
+
+std::string object_name(const scene::FrameState& state, std::uint32_t object) {
+    const std::string& name = state.objects[object].name;
+    return name.empty() ? "objects[" + std::to_string(object) + "]" : name;
+}
 
 std::vector<ProbedView> probe(const scene::FrameState& state, glm::dvec2 place) {
     FrameSceneBuilder builder;

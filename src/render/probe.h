@@ -1,4 +1,5 @@
 #pragma once
+#include <cstdint>
 #include <glm/glm.hpp>
 #include <optional>
 #include <string>
@@ -11,16 +12,17 @@ namespace dapple::render {
 
 /// What the oracle (methods/reference/oracle.h) knows of one chain at a point.
 struct OracleCount {
-    std::string chain;  ///< "sun > water:T"
-    int paths = 0;
-    int sign_sum = 0;
-    bool proven = false;      ///< there are no others
+    std::string chain;        ///< "sun > water:T"
+    int paths = 0;            ///< that waves leave alone, as those on the mesh
+    int sign_sum = 0;         ///< of these
+    int behind_waves = 0;     ///< others, that waves block between light and facet or facet and point
+    bool proven = false;      ///< there are no more, of either kind
     std::string unavailable;  ///< why it cannot say anything; the numbers mean nothing then
 };
 
 /// The point that a camera path ended on, and the light that comes to it.
 struct ProbedReceiver {
-    std::string object;            ///< its name, or "objects[2]"
+    std::string object;            ///< as object_name
     glm::dvec3 position{0, 0, 0};  ///< m, world
     glm::dvec3 normal{0, 1, 0};    ///< unit, geometric, towards the side that is seen
     bool in_water = false;
@@ -39,6 +41,9 @@ struct ProbedView {
     glm::dvec3 throughput{0, 0, 0};  ///< share of the end's radiance that the pixel gets
     std::optional<ProbedReceiver> receiver;
 };
+
+/// The name of an object, or "objects[2]" where it has none.
+std::string object_name(const scene::FrameState& state, std::uint32_t object);
 
 /// Follows the camera paths of a point of the picture (pixel coordinates: the first pixel's centre is at 0.5)
 /// and lists the light paths to their ends, on the water mesh. One view, and a second, of the reflected path,

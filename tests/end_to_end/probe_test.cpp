@@ -10,6 +10,7 @@ namespace dapple::end_to_end {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 using testing::SizeIs;
 using testing_tools::ScratchFolder;
 using Json = nlohmann::json;
@@ -67,8 +68,11 @@ TEST_F(Probe, FlatWaterHasOnePathAndItsClosedForm) {
     }
 
     ASSERT_THAT(receiver.at("oracle"), SizeIs(1));
-    EXPECT_EQ(receiver.at("oracle")[0],
-              (Json{{"chain", "sun > water:T"}, {"paths", 1}, {"sign_sum", 1}, {"proven", true}}));
+    EXPECT_EQ(receiver.at("oracle")[0], (Json{{"chain", "sun > water:T"},
+                                              {"paths", 1},
+                                              {"sign_sum", 1},
+                                              {"behind_waves", 0},
+                                              {"proven", true}}));
 }
 
 TEST_F(Probe, NamesWhatBlocksAPathAndWhere) {
@@ -113,6 +117,59 @@ TEST_F(Probe, WavesHaveAsManyPathsAsTheOracleProves) {
         folded += receiver.at("count") > 1 ? 1 : 0;
     }
     EXPECT_GT(folded, 0) << "single paths test little";
+}
+
+TEST_F(Probe, TheOracleCountsWhatWavesHideApart) {
+    // Waves of 35 degrees under a sun of 20: shadows on the water.
+    const std::vector<std::string> rough = {"--set", "water.surface.waves=[{length: 1 m, amplitude: 11 cm}]",
+                                            "--set", "water.mesh_cells=192",
+                                            "--set", "lights.sun.elevation=20 deg"};
+    int hidden = 0, compared = 0;
+    for (const char* x : {"30", "31", "32", "33", "34", "35", "36"}) {
+        std::vector<std::string> arguments = {x, "9"};
+        arguments.insert(arguments.end(), rough.begin(), rough.end());
+        const Json receiver = views(arguments)[0].at("receiver");
+        const Json oracle = receiver.at("oracle")[0];
+        hidden += oracle.at("behind_waves").get<int>();
+        if (oracle.at("proven") == false || receiver.at("fold") == true) continue;
+        EXPECT_EQ(oracle.at("paths"), receiver.at("count")) << x;
+        EXPECT_EQ(oracle.at("sign_sum"), receiver.at("sign_sum")) << x;
+        ++compared;
+        if (oracle.at("behind_waves") > 0) {
+            EXPECT_THAT(probe(arguments).output,
+                        HasSubstr(", " + std::to_string(oracle.at("behind_waves").get<int>()) +
+                                  " more behind waves, sum of signs "));
+        }
+    }
+    EXPECT_GT(hidden, 0);
+    EXPECT_GT(compared, 3);
+}
+
+TEST_F(Probe, ANamelessLightAndObjectHaveOneNameEverywhere) {
+    const std::vector<std::string> nameless = {"32",
+                                               "18",
+                                               "--set",
+                                               "lights=[{type: sun, elevation: 90 deg, irradiance: 2}]",
+                                               "--set",
+                                               "objects=[{shape: plane, size: [10 m, 1 m, 10 m], "
+                                               "position: [0 m, -2 m, 0 m]}]"};
+    const Json receiver = views(nameless)[0].at("receiver");
+    EXPECT_EQ(receiver.at("object"), "objects[0]");
+    EXPECT_EQ(receiver.at("paths")[0].at("chain"), "lights[0] > water:T");
+    EXPECT_EQ(receiver.at("oracle")[0].at("chain"), "lights[0] > water:T");
+}
+
+TEST_F(Probe, NotesAFrameOutsideTheClipOnStderr) {
+    const char* note = "frame 9 lies outside the clip, where its curves hold";
+    EXPECT_THAT(probe({"32", "18", "-f", "9"}).output, HasSubstr(note));
+    EXPECT_THAT(probe({"32", "18", "-f", "4"}).output, Not(HasSubstr("outside")));
+    const std::string json =
+        std::string("\"") + DAPPLE_PROGRAM + "\" probe \"" + kFolder + "/probe.yaml\" 32 18 -f 9 --json";
+    const auto shell = [&](const std::string& command) {
+        return testing_tools::run_program({"sh", "-c", command}, scratch / "output.txt").output;
+    };
+    EXPECT_THAT(shell(json + " 2>&1 >/dev/null"), HasSubstr(note));
+    EXPECT_EQ(Json::parse(shell(json + " 2>/dev/null")).at("frame"), 9);
 }
 
 TEST_F(Probe, PrintsForPeople) {

@@ -138,6 +138,9 @@ TEST(CausticMap, PointLightSendsTheSolidAngleOfTheWater) {
     scene.state.lights = {lamp};
     test::add_water(scene, {}, 16, 16);
     const std::vector<BeamMesh> meshes = trace(scene, 256);
+    EXPECT_EQ(meshes[0].name, "lamp > water:T");
+    scene.state.lights[0].name = "";
+    EXPECT_EQ(trace(scene, 16)[1].name, "lights[0] > water:R");
     // Solid angle of a square of half-width 2 seen from 2 above its centre: a face of a cube, 4 pi / 6.
     EXPECT_NEAR(total_flux(meshes[0]) + total_flux(meshes[1]), 4 * glm::pi<double>() / 6, 1e-5);
 }

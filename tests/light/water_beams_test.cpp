@@ -403,6 +403,15 @@ std::vector<std::string> counting(const std::vector<BeamSheet<float>>& sheets) {
     return names;
 }
 
+TEST(WaterBeams, ANamelessLightIsCalledByItsPlace) {
+    scene::FrameScene scene = lamp_scene({2, 2}, 4, {0, 1, 0});
+    scene.state.lights[0].name = "";
+    EXPECT_EQ(beams<float>(scene, Event::transmission)[0].name, "lights[0] > water:T");
+    EXPECT_EQ(light::chain_name(scene.state, {0, Event::reflection}), "lights[0] > water:R");
+    scene.state.lights[0].name = "buoy";
+    EXPECT_EQ(light::chain_name(scene.state, {0, Event::reflection}), "buoy > water:R");
+}
+
 TEST(WaterBeams, PathsAreCountedByOneBandOfOneDirection) {
     using Names = std::vector<std::string>;
     scene::FrameScene scene = lamp_scene({8, 8}, 80, {0.3, 0.1, -0.2});
