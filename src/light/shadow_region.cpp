@@ -50,7 +50,10 @@ void ShadowRegion::mark(glm::dvec2 lower, glm::dvec2 upper) {
         }
 }
 
-ShadowRegion::ShadowRegion(const scene::TriangleMesh& mesh, const WaterLight& light) : light_(light) {
+ShadowRegion::ShadowRegion(const scene::WaterMesh& water, const WaterLight& light)
+    : light_(light), everywhere_(water.rows == 0) {
+    if (everywhere_) return;
+    const scene::TriangleMesh& mesh = water.mesh;
     const auto visit_away = [&](std::size_t begin, std::size_t end, const auto& body) {
         for (std::size_t i = begin; i < end; ++i) {
             const glm::uvec3 t = mesh.triangles[i];

@@ -101,7 +101,8 @@ public:
             }
             trace_vertices(scene_, light, eta, axes, k, sheet, events_);
             FluxSurvey survey = fill(light, eta, k, visible, sheet);
-            if (survey.faces_away && !visible) {
+            const bool may_hide = survey.faces_away || sheet.rows == 0;
+            if (may_hide && !visible) {
                 visible = visible_shares(scene_, rays_, light);
                 survey = fill(light, eta, k, visible, sheet);
             }

@@ -41,7 +41,7 @@ rays::Ray shadow_ray(const scene::FrameScene& scene, const WaterLight& light, gl
 std::vector<std::uint8_t> vertex_states(const scene::FrameScene& scene, const rays::RayScene& rays,
                                         const WaterLight& light, double offset) {
     const scene::TriangleMesh& mesh = scene.water->mesh;
-    const ShadowRegion region(mesh, light);
+    const ShadowRegion region(*scene.water, light);
     std::vector<std::uint8_t> states(mesh.positions.size());
     parallel_for(states.size(), kTile, [&](std::size_t begin, std::size_t end) {
         std::vector<rays::Ray> ways;

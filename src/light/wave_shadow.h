@@ -9,8 +9,9 @@
 namespace dapple::light {
 
 /// The share of each triangle of the water that no other wave hides from the light; 1 for triangles that do
-/// not face it. To be asked only where some triangle faces away from the light (FluxSurvey::faces_away):
-/// where all face it, the light's projection of the mesh is one to one and nothing hides anything.
+/// not face it. A grid need be asked only where some triangle faces away from the light
+/// (FluxSurvey::faces_away): where all face it, the light's projection of the grid is one to one and nothing
+/// hides anything.
 /// A triangle whose corners are all lit, or all hidden, is so as a whole; others are sampled at the centres
 /// of 16 equal parts.
 std::vector<float> visible_shares(const scene::FrameScene& scene, const rays::RayScene& rays,

@@ -140,6 +140,76 @@ TEST(WaveShadow, LightEntersAnOverturnedWaveAtItsTopOnly) {
     }
 }
 
+TEST(WaveShadow, OnePieceOfAMeshShadowsAnother) {
+    // A square of 1 m that hangs half a metre over one of 4 m; all triangles of both face the light.
+    scene::FrameScene scene = water_scene({4, 4}), above = water_scene({1, 1});
+    add_water(scene, {}, 80, 80);
+    add_water(above, {}, 4, 4);
+    auto water = std::make_shared<scene::WaterMesh>(*scene.water);
+    const auto first = static_cast<std::uint32_t>(water->mesh.positions.size());
+    const std::size_t below = water->mesh.triangles.size();
+    for (const glm::dvec3 p : above.water->mesh.positions) {
+        water->mesh.positions.push_back(p + glm::dvec3(0, 0.5, 0));
+        water->mesh.normals.emplace_back(0, 1, 0);
+    }
+    for (const glm::uvec3 t : above.water->mesh.triangles) water->mesh.triangles.push_back(t + first);
+    water->rows = water->columns = 0;
+    scene.water = water;
+    for (const bool is_sun : {true, false}) {
+        SCOPED_TRACE(is_sun);
+        const double zenith = glm::radians(40.0);
+        scene.state.lights = {sun(40, 0)};
+        if (!is_sun) {
+            scene.state.lights[0].type = scene::LightType::point;
+            scene.state.lights[0].position = {0.1, 2.5, -0.2};
+        }
+        // The shadow: moved by the sun's slope; from the lamp a quarter larger, about the point below it.
+        const double side = is_sun ? 1 : 1.25;
+        const glm::dvec2 middle =
+            is_sun ? glm::dvec2(-0.5 * std::tan(zenith), 0) : -0.25 * glm::dvec2(0.1, -0.2);
+        const auto sheets = beams<double>(scene, Event::transmission);
+        int dark = 0;
+        for (std::size_t t = 0; t < below; ++t) {
+            glm::dvec3 at(0);
+            for (int k = 0; k < 3; ++k) at += water->mesh.positions[water->mesh.triangles[t][k]] / 3.0;
+            const glm::dvec2 off = glm::abs(glm::dvec2(at.x, at.z) - middle) - 0.5 * side;
+            const double outside = std::max(off.x, off.y);
+            if (std::abs(outside) < 0.05) continue;  // within a cell of its edge
+            ASSERT_EQ(sheets[0].flux[t] > 0, outside > 0) << at.x << ' ' << at.z;
+            dark += outside < 0 ? 1 : 0;
+        }
+        EXPECT_GT(dark, 500);
+        for (std::size_t t = below; t < water->mesh.triangles.size(); ++t) ASSERT_GT(sheets[0].flux[t], 0);
+        if (is_sun) {
+            const auto mirrored = beams<double>(scene, Event::reflection);
+            // Along 4 m of edges triangles of 5 cm are sampled by sixteenths.
+            EXPECT_NEAR(sheets[0].losses.wave_shadow + mirrored[0].losses.wave_shadow, std::cos(zenith),
+                        0.02);
+        }
+    }
+}
+
+TEST(WaveShadow, AMeshThatIsOneSheetHasNoShadowsBeforeSomeTriangleFacesAway) {
+    // Asked or not: what is no grid is asked everywhere.
+    for (const glm::dvec2 center : {glm::dvec2(0), glm::dvec2(300, -200)}) {
+        scene::FrameScene scene = water_scene({6, 6}, center);
+        scene.origin = {center.x, 0, center.y};
+        add_water(scene, gentle_sea(), 200, 200);
+        auto water = std::make_shared<scene::WaterMesh>(*scene.water);
+        water->rows = water->columns = 0;
+        const auto grid = scene.water;
+        for (const double zenith : {0.0, 60.0, 72.0}) {
+            SCOPED_TRACE(zenith);
+            scene.state.lights = {sun(zenith)};
+            scene.water = grid;
+            const auto expected = beams<double>(scene, Event::transmission);
+            ASSERT_EQ(flux_and_losses(expected), flux(expected));
+            scene.water = water;
+            EXPECT_EQ(beams<double>(scene, Event::transmission)[0].flux, expected[0].flux);
+        }
+    }
+}
+
 TEST(WaveShadow, LowSunsAreAccountedForToTheLastRay) {
     const Curve curve = sampled(800, [](double s) {
         const double x = 8 * s - 4;
