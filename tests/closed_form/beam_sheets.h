@@ -14,7 +14,8 @@ namespace dapple::test {
 /// Height and slopes along x and z at (x, z), m.
 using HeightField = std::function<glm::dvec3(double x, double z)>;
 
-/// Water of cells_x by cells_z cells over size.x by size.y m about the origin.
+/// Water of cells_x by cells_z cells over size.x by size.y m about the origin, cut into triangles as the
+/// ocean's is.
 inline scene::FrameScene scene_of_water(glm::dvec2 size, int cells_x, int cells_z,
                                         const HeightField& height) {
     scene::FrameScene scene;
@@ -39,8 +40,8 @@ inline scene::FrameScene scene_of_water(glm::dvec2 size, int cells_x, int cells_
         for (int column = 0; column < cells_x; ++column) {
             const auto corner = static_cast<std::uint32_t>(row * water->columns + column);
             const auto below = corner + static_cast<std::uint32_t>(water->columns);
-            water->mesh.triangles.emplace_back(corner, below, below + 1);
-            water->mesh.triangles.emplace_back(corner, below + 1, corner + 1);
+            water->mesh.triangles.emplace_back(corner, below, corner + 1);
+            water->mesh.triangles.emplace_back(corner + 1, below, below + 1);
         }
     }
     scene.water = water;

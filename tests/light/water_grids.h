@@ -39,7 +39,7 @@ inline std::vector<Sinusoid> gentle_sea(double steepness = 0.0032) {
     return sea;
 }
 
-/// A grid of cells_x by cells_z over the extent of the scene's water.
+/// A grid of cells_x by cells_z over the extent of the scene's water, cut into triangles as the ocean's are.
 inline void add_water(scene::FrameScene& scene, const std::vector<Sinusoid>& sea, int cells_x, int cells_z) {
     const scene::Extent& extent = scene.state.water->extent;
     auto water = std::make_shared<scene::WaterMesh>();
@@ -59,8 +59,8 @@ inline void add_water(scene::FrameScene& scene, const std::vector<Sinusoid>& sea
         for (int column = 0; column < cells_x; ++column) {
             const auto a = static_cast<std::uint32_t>(row * water->columns + column);
             const auto below = a + static_cast<std::uint32_t>(water->columns);
-            water->mesh.triangles.emplace_back(a, below, below + 1);
-            water->mesh.triangles.emplace_back(a, below + 1, a + 1);
+            water->mesh.triangles.emplace_back(a, below, a + 1);
+            water->mesh.triangles.emplace_back(a + 1, below, below + 1);
         }
     scene.water = water;
 }
