@@ -291,7 +291,7 @@ TYPED_TEST(LeaningPlanes, TilesFindAllBeamsThatLandOnThem) {
     const test::SheetSet<TypeParam> sheets(this->scene_, light::Event::transmission, 1.6);
     ASSERT_EQ(sheets.sheets().size(), 1u);
     const auto& coverage = *sheets.sheets()[0];
-    constexpr int kReceivers = 300;
+    constexpr int kReceivers = 600;
     const glm::dvec3 refracted = coverage.sheet().world_from_mesh[2];
     std::mt19937 random(9);
     std::uniform_real_distribution<double> uniform(-1, 1);
