@@ -44,6 +44,11 @@ int holds(const Landed& a, const Landed& b, const Landed& c) {
     return first != 0 && first == side(b, c) && first == side(c, a) ? first : 0;
 }
 
+/// Far past focus, where as many clusters as this may flag a point, its count is not sure in any case.
+constexpr std::size_t kMostFoldClusters = 64;
+/// The same of a tile of points.
+constexpr std::size_t kMostFoldNodes = 2048;
+
 template <class Real>
 Box<Real> point_box(const Receiver<Real>& r) {
     return {r.position.x, r.position.x, r.position.y, r.position.y};
@@ -185,9 +190,10 @@ Box<Real> PointQuery<Real>::box(NodeId node, const Reach& reach) const {
 /// Nodes that can matter to any of the points: not much larger than the region of all of them.
 template <class Real>
 std::vector<typename PointQuery<Real>::FoundNode> PointQuery<Real>::find_nodes(
-    std::span<const Receiver<Real>> locals) const {
+    std::span<const Receiver<Real>> locals, bool& folds_found) const {
     const BeamPyramid<Real>& pyramid = sheet_.pyramid();
     std::vector<FoundNode> nodes;
+    folds_found = true;
     if (pyramid.empty() || locals.empty()) return nodes;
     Box<Real> bounds = point_box(locals.front());
     Reach all = reach(locals.front());
@@ -199,26 +205,34 @@ std::vector<typename PointQuery<Real>::FoundNode> PointQuery<Real>::find_nodes(
         all = {std::min(all.low, one.low), std::max(all.high, one.high), std::max(all.lean, one.lean),
                std::max(all.stretch, one.stretch)};
     }
-    std::vector<NodeId> open{pyramid.root()};
     const Real small_a = (bounds.high_a - bounds.low_a) / 4, small_b = (bounds.high_b - bounds.low_b) / 4;
-    while (!open.empty()) {
-        const NodeId node = open.back();
-        open.pop_back();
-        if (pyramid.dark(node)) continue;
-        const Box<Real> found = box(node, all);
-        if (!overlap(found, bounds)) continue;
-        if (node.level == 0 || (found.high_a - found.low_a < small_a && found.high_b - found.low_b < small_b))
-            nodes.push_back({node, found});
-        else
-            pyramid.visit_children(node, [&](NodeId child) { open.push_back(child); });
-    }
+    const auto search = [&](bool folds) {
+        nodes.clear();
+        std::vector<NodeId> open{pyramid.root()};
+        while (!open.empty() && (!folds || nodes.size() <= kMostFoldNodes)) {
+            const NodeId node = open.back();
+            open.pop_back();
+            if (pyramid.dark(node)) continue;
+            const Box<Real> covered = pyramid.box(node, all.low, all.high, all.lean);
+            const Box<Real> reached = folds ? box(node, all) : covered;
+            if (!overlap(reached, bounds)) continue;
+            const Real size_a = reached.high_a - reached.low_a, size_b = reached.high_b - reached.low_b;
+            if (node.level == 0 || (size_a < small_a && size_b < small_b))
+                nodes.push_back({node, covered, reached});
+            else
+                pyramid.visit_children(node, [&](NodeId child) { open.push_back(child); });
+        }
+        return open.empty();
+    };
+    folds_found = search(true);
+    if (!folds_found) search(false);
     return nodes;
 }
 
 template <class Real>
 template <class Visit>
-void PointQuery<Real>::visit_hits(const Receiver<Real>& local, std::span<const FoundNode> nodes, bool& fold,
-                                  Visit&& visit) const {
+void PointQuery<Real>::visit_hits(const Receiver<Real>& local, std::span<const FoundNode> nodes,
+                                  bool every_fold, bool& fold, Visit&& visit) const {
     const BeamPyramid<Real>& pyramid = sheet_.pyramid();
     const LandingFrame<Real> frame(local);
     const Reach at = reach(local);
@@ -228,18 +242,11 @@ void PointQuery<Real>::visit_hits(const Receiver<Real>& local, std::span<const F
     // the air.
     const bool turned = glm::dot(glm::cross(local.u, local.v), local.normal) < 0;
     const int upright = turned != sheet_.sheet().in_water() ? 1 : -1;
-    std::vector<NodeId> open;
-    for (auto found = nodes.rbegin(); found != nodes.rend(); ++found)
-        if (overlap(found->box, own)) open.push_back(found->node);
-    while (!open.empty()) {
-        const NodeId node = open.back();
-        open.pop_back();
-        if (pyramid.dark(node)) continue;
-        if (!overlap(box(node, at), own)) continue;
-        if (node.level > 0) {
-            pyramid.visit_children(node, [&](NodeId child) { open.push_back(child); });
-            continue;
-        }
+    std::size_t looked_for_folds = 0;
+    // A point that has its flag needs no other.
+    const auto look_for_folds = [&] { return every_fold || !fold; };
+    const auto look_at = [&](NodeId node) {
+        if (look_for_folds() && !every_fold && ++looked_for_folds > kMostFoldClusters) fold = true;
         ClusterRays<Real> rays;
         load(sheet_.sheet(), sheet_.triangles(), pyramid.beams(node), rays);
         for (int c = 0; c < kChunks<Real>; ++c) {
@@ -250,11 +257,12 @@ void PointQuery<Real>::visit_hits(const Receiver<Real>& local, std::span<const F
             const unsigned around =
                 bits((lesser(lesser(x[0], x[1]), x[2]) <= 0) & (greater(greater(x[0], x[1]), x[2]) >= 0) &
                      (lesser(lesser(y[0], y[1]), y[2]) <= 0) & (greater(greater(y[0], y[1]), y[2]) >= 0));
-            unsigned lanes = bits(landed.lands);
+            unsigned lanes = bits(landed.lands) & (look_for_folds() ? ~0u : around);
             for (; lanes != 0; lanes &= lanes - 1) {
                 const int lane = __builtin_ctz(lanes);
                 const std::uint32_t beam = rays.beam[static_cast<std::size_t>(c * kLanes<Real> + lane)];
-                const bool own_fold = may_fold_[beam] != 0 && near_fold(local, frame, beam);
+                const bool own_fold =
+                    look_for_folds() && may_fold_[beam] != 0 && near_fold(local, frame, beam);
                 fold |= own_fold;
                 if ((around >> lane & 1) == 0) continue;
                 Landed corner[3];
@@ -277,6 +285,24 @@ void PointQuery<Real>::visit_hits(const Receiver<Real>& local, std::span<const F
                 }
                 if (past >= 0) visit(hit);
             }
+        }
+    };
+    // First the clusters that may hold the point, then those that reach it by their folds only.
+    std::vector<NodeId> open;
+    for (const bool by_folds : {false, true}) {
+        if (by_folds && !look_for_folds()) return;
+        for (auto found = nodes.rbegin(); found != nodes.rend(); ++found)
+            if (overlap(by_folds ? found->reached : found->covered, own)) open.push_back(found->node);
+        while (!open.empty() && (!by_folds || look_for_folds())) {
+            const NodeId node = open.back();
+            open.pop_back();
+            if (pyramid.dark(node)) continue;
+            const bool covers = overlap(pyramid.box(node, at.low, at.high, at.lean), own);
+            if (!covers && !(by_folds && overlap(box(node, at), own))) continue;
+            if (node.level > 0)
+                pyramid.visit_children(node, [&](NodeId child) { open.push_back(child); });
+            else if (covers != by_folds)
+                look_at(node);
         }
     }
 }
@@ -345,11 +371,13 @@ void PointQuery<Real>::summarize(std::span<const Receiver<Real>> points,
     std::vector<Receiver<Real>> locals;
     locals.reserve(points.size());
     for (const Receiver<Real>& point : points) locals.push_back(sheet_.rotated(point));
-    const std::vector<FoundNode> nodes = find_nodes(locals);
+    bool folds_found = true;
+    const std::vector<FoundNode> nodes = find_nodes(locals, folds_found);
     if (nodes.empty()) return;
     for (std::size_t i = 0; i < locals.size(); ++i) {
         PointSummary& summary = summaries[i];
-        visit_hits(locals[i], nodes, summary.fold, [&](const PointHit<Real>& hit) {
+        summary.fold |= !folds_found;
+        visit_hits(locals[i], nodes, false, summary.fold, [&](const PointHit<Real>& hit) {
             ++summary.count;
             summary.sign += hit.sign;
         });
@@ -360,8 +388,10 @@ template <class Real>
 std::vector<PointHit<Real>> PointQuery<Real>::hits(const Receiver<Real>& point, bool& fold) const {
     std::vector<PointHit<Real>> found;
     const Receiver<Real> local = sheet_.rotated(point);
-    const std::vector<FoundNode> nodes = find_nodes({&local, 1});
-    visit_hits(local, nodes, fold, [&](const PointHit<Real>& hit) { found.push_back(hit); });
+    bool folds_found = true;
+    const std::vector<FoundNode> nodes = find_nodes({&local, 1}, folds_found);
+    fold |= !folds_found;
+    visit_hits(local, nodes, true, fold, [&](const PointHit<Real>& hit) { found.push_back(hit); });
     return found;
 }
 

@@ -30,7 +30,9 @@ struct PointSummary {
 ///
 /// A point is near a fold where it is nearer to a landed edge between beams of opposite sign than a sixth of
 /// the largest second difference |c + d - a - b| of the landed corners c, d across an edge a, b of one of
-/// these beams, as seen across the edge between them: the smooth map's fold lies that near.
+/// these beams, as seen across the edge between them: the smooth map's fold lies that near. A summary takes a
+/// point for near one, too, where more than 64 clusters of beams reach that far: the mesh is too coarse to
+/// tell there.
 template <class Real>
 class PointQuery {
 public:
@@ -61,7 +63,7 @@ private:
     };
     struct FoundNode {
         NodeId node;
-        Box<Real> box;  ///< at all the points' depths
+        Box<Real> covered, reached;  ///< by its beams and by their folds, at all the points' depths
     };
     Margin second_difference(std::uint32_t beam) const;
     bool may_turn_over(std::uint32_t beam) const;
@@ -69,10 +71,12 @@ private:
     Reach reach(const Receiver<Real>& local) const;
     /// Where points can lie that the node's beams cover or flag.
     Box<Real> box(NodeId node, const Reach& reach) const;
-    std::vector<FoundNode> find_nodes(std::span<const Receiver<Real>> locals) const;
+    /// `folds_found`: false where so many may flag the points that only those that may cover one are given.
+    std::vector<FoundNode> find_nodes(std::span<const Receiver<Real>> locals, bool& folds_found) const;
+    /// `every_fold`: each hit's own flag is wanted, not only whether the point has one.
     template <class Visit>
-    void visit_hits(const Receiver<Real>& local, std::span<const FoundNode> nodes, bool& fold,
-                    Visit&& visit) const;
+    void visit_hits(const Receiver<Real>& local, std::span<const FoundNode> nodes, bool every_fold,
+                    bool& fold, Visit&& visit) const;
     bool near_fold(const Receiver<Real>& local, const LandingFrame<Real>& frame, std::uint32_t beam) const;
 
     const SheetCoverage<Real>& sheet_;

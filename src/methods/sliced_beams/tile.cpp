@@ -68,14 +68,11 @@ bool Tile<Real>::find() {
         return std::abs(n.x) * sheet_.steepest_a_ + std::abs(n.y) * sheet_.steepest_b_ < Real(-0.99) * n.z;
     });
     whole_allowed_ = facing;
-    find_nodes();
+    find_nodes(false);
     if (clusters_.empty() && nodes_.empty()) return false;
     if (!test_free()) {
         ++counts_.occluded_tiles;
-        if (!nodes_.empty()) {  // sums say nothing of single beams
-            whole_allowed_ = false;
-            find_nodes();
-        }
+        find_nodes(true);
     }
     counts_.clusters += clusters_.size();
     return true;
@@ -90,54 +87,76 @@ void Tile<Real>::cover() {
     settle_pairs();
 }
 
+/// With `occluders` every node is asked whether something can stand in the light of its own beams, until it
+/// is not: only what is left is opened and tested beam by beam.
 template <class Real>
-void Tile<Real>::find_nodes() {
+void Tile<Real>::find_nodes(bool occluders) {
+    struct Open {
+        NodeId node;
+        bool free;
+    };
     clusters_.clear();
+    occluded_.clear();
     nodes_.clear();
     below_surface_ = true;
-    std::vector<NodeId> open{pyramid_.root()};
+    std::vector<Open> open{{pyramid_.root(), !occluders}};
     while (!open.empty()) {
-        const NodeId node = open.back();
+        const NodeId node = open.back().node;
+        bool free = open.back().free;
         open.pop_back();
         if (pyramid_.dark(node) || pyramid_.sums(node).first_start > high_) continue;
         const Box<Real> box = this->box(node);
         if (!overlap(box, bounds_)) continue;
         const bool below = pyramid_.sums(node).last_start < low_;
         below_surface_ = below_surface_ && (below || node.level > 0);
+        if (!free) {
+            Bounds surface[2];
+            widen_by_surface(node, surface);
+            free = free_after(surface) && sheet_.occluders_.free_before_water(surface[1]);
+        }
         if (node.level == 0) {
             clusters_.push_back(node);
-        } else if (whole_allowed_ && below && 2 * (box.high_a - box.low_a) < least_a_ &&
+            occluded_.push_back(free ? 0 : 1);
+        } else if (whole_allowed_ && free && below && 2 * (box.high_a - box.low_a) < least_a_ &&
                    2 * (box.high_b - box.low_b) < least_b_) {
             nodes_.push_back(node);
         } else {
-            pyramid_.visit_children(node, [&](NodeId child) { open.push_back(child); });
+            pyramid_.visit_children(node, [&](NodeId child) { open.push_back({child, free}); });
         }
     }
+}
+
+/// Where the node's beams leave the water, in the sheet's axes and in the world's.
+template <class Real>
+void Tile<Real>::widen_by_surface(NodeId node, Bounds (&surface)[2]) const {
+    const auto& sums = pyramid_.sums(node);
+    const Box<Real> box = pyramid_.box(node, sums.first_start, sums.last_start);
+    const Bounds part = bounds_of(box, sums.first_start, sums.last_start);
+    for (int i = 0; i < 8; ++i) {
+        surface[0].widen(part.corner(i));
+        surface[1].widen(sheet_.sheet_.world_from_mesh * part.corner(i));
+    }
+}
+
+template <class Real>
+bool Tile<Real>::free_after(const Bounds (&surface)[2]) const {
+    return sheet_.occluders_.free_after_water(surface, receivers_, may_hide_itself_ ? kNoObject : object_);
 }
 
 /// Whether the light volume between the water and the receivers, and that before the water, are free of
 /// objects.
 template <class Real>
 bool Tile<Real>::test_free() {
-    Bounds surface[2], receivers[2];  // in the sheet's axes and in the world's
-    for (const std::vector<NodeId>* nodes : {&clusters_, &nodes_}) {
-        for (const NodeId node : *nodes) {
-            const auto& sums = pyramid_.sums(node);
-            const Box<Real> box = pyramid_.box(node, sums.first_start, sums.last_start);
-            const Bounds part = bounds_of(box, sums.first_start, sums.last_start);
-            for (int i = 0; i < 8; ++i) {
-                surface[0].widen(part.corner(i));
-                surface[1].widen(sheet_.sheet_.world_from_mesh * part.corner(i));
-            }
-        }
-    }
+    Bounds surface[2];
+    for (const std::vector<NodeId>* nodes : {&clusters_, &nodes_})
+        for (const NodeId node : *nodes) widen_by_surface(node, surface);
     for (const Local& local : locals_) {
         const Receiver<Real>& r = local.receiver;
         for (const Real i : {Real(-0.5), Real(0.5)}) {
             for (const Real j : {Real(-0.5), Real(0.5)}) {
                 const glm::dvec3 corner(r.position + i * r.u + j * r.v);
-                receivers[0].widen(corner);
-                receivers[1].widen(sheet_.sheet_.world_from_mesh * corner);
+                receivers_[0].widen(corner);
+                receivers_[1].widen(sheet_.sheet_.world_from_mesh * corner);
             }
         }
     }
@@ -146,8 +165,7 @@ bool Tile<Real>::test_free() {
             object_, sheet_.sheet_.world_from_mesh * glm::dvec3(local.receiver.position),
             sheet_.sheet_.world_from_mesh * glm::dvec3(local.receiver.normal));
     });
-    free_after_ =
-        sheet_.occluders_.free_after_water(surface, receivers, may_hide_itself_ ? kNoObject : object_);
+    free_after_ = free_after(surface);
     free_before_ = sheet_.occluders_.free_before_water(surface[1]);
     return free_after_ && free_before_;
 }
@@ -199,20 +217,21 @@ void Tile<Real>::land_cluster(NodeId node, const LandingFrame<Real>& frame, LitC
 }
 
 template <class Real>
-typename Tile<Real>::LandedTile Tile<Real>::land_all(std::span<const NodeId> clusters,
+typename Tile<Real>::LandedTile Tile<Real>::land_all(std::size_t first, std::size_t count,
                                                      const LandingFrame<Real>& frame) {
     constexpr Real infinity = std::numeric_limits<Real>::infinity();
     LandedTile tile;
-    tile.clusters.resize(clusters.size());
+    tile.clusters.resize(count);
     const std::size_t padded =
-        (clusters.size() + kClusterBeams - 1) / kClusterBeams * static_cast<std::size_t>(kClusterBeams);
+        (count + kClusterBeams - 1) / kClusterBeams * static_cast<std::size_t>(kClusterBeams);
     tile.low_x.assign(padded, infinity);
     tile.low_y.assign(padded, infinity);
     tile.high_x.assign(padded, -infinity);
     tile.high_y.assign(padded, -infinity);
-    for (std::size_t i = 0; i < clusters.size(); ++i) {
+    for (std::size_t i = 0; i < count; ++i) {
         LitCluster<Real>& lit = tile.clusters[i];
-        land_cluster(clusters[i], frame, lit);
+        land_cluster(clusters_[first + i], frame, lit);
+        lit.occluded = occluded_[first + i] != 0;
         for (int c = 0; c < kChunks<Real>; ++c) {
             for (int lane = 0; lane < kLanes<Real>; ++lane) {
                 if (!lit.landed[c].lands[lane]) continue;
@@ -232,9 +251,8 @@ typename Tile<Real>::LandedTile Tile<Real>::land_all(std::span<const NodeId> clu
 template <class Real>
 void Tile<Real>::add_planar() {
     const LandingFrame<Real> frame(locals_.front().receiver);
-    const std::span<const NodeId> all(clusters_);
-    for (std::size_t part = 0; part < all.size(); part += kClustersAtOnce)
-        add_landed(land_all(all.subspan(part, std::min(kClustersAtOnce, all.size() - part)), frame), frame);
+    for (std::size_t part = 0; part < clusters_.size(); part += kClustersAtOnce)
+        add_landed(land_all(part, std::min(kClustersAtOnce, clusters_.size() - part), frame), frame);
     if (nodes_.empty()) return;
     for (const Local& local : locals_) add_nodes(local);
 }
@@ -278,6 +296,7 @@ void Tile<Real>::add_curved() {
             if (!overlap(boxes[i], own)) continue;
             LitCluster<Real> lit;
             land_cluster(clusters_[i], frame, lit);
+            lit.occluded = occluded_[i] != 0;
             add_cluster(local, lit, power, [](const LandedBeams<Real>& landed) { return landed; });
         }
         irradiance_[local.index] +=
@@ -296,7 +315,7 @@ void Tile<Real>::add_cluster(const Local& local, const LitCluster<Real>& lit, La
         if (!any(met)) continue;
         Lanes<Real> share = covered_share(beams);
         share = met ? share : Lanes<Real>{};
-        if (lit.cut_by_surface || !free_after_ || !free_before_) {
+        if (lit.cut_by_surface || lit.occluded) {
             unsigned lanes = bits(share > 0);
             for (; lanes != 0; lanes &= lanes - 1) {
                 const int lane = __builtin_ctz(lanes);
@@ -326,7 +345,7 @@ void Tile<Real>::add_pair(const Local& local, const LitCluster<Real>& lit, int c
     const Vec3<Real> irradiance =
         scale * Vec3<Real>(lit.red[chunk][lane], lit.green[chunk][lane], lit.blue[chunk][lane]);
     if (!(irradiance.x + irradiance.y + irradiance.z > 0)) return;
-    if (free_after_ && free_before_) {
+    if (!lit.occluded) {
         irradiance_[local.index] += irradiance;
         return;
     }

@@ -13,6 +13,7 @@ struct LitCluster {
     LandedChunk<Real> landed[kChunks<Real>];
     Lanes<Real> red[kChunks<Real>], green[kChunks<Real>], blue[kChunks<Real>];  ///< W, after absorption
     std::array<std::uint32_t, kClusterBeams> beam;
+    bool occluded = false;  ///< an object may stand in the beams' light: each is tested
     bool cut_by_surface =
         false;  ///< a beam leaves the water beyond the receivers' plane with some of its rays
 };
@@ -58,12 +59,14 @@ private:
     };
 
     void place_receivers(std::span<const Receiver<Real>> receivers);
-    void find_nodes();
+    void find_nodes(bool occluders);
+    void widen_by_surface(NodeId node, Bounds (&surface)[2]) const;
+    bool free_after(const Bounds (&surface)[2]) const;
     bool test_free();
     bool planar() const;
     Box<Real> box(NodeId node) const { return pyramid_.box(node, low_, high_, lean_); }
     void land_cluster(NodeId node, const LandingFrame<Real>& frame, LitCluster<Real>& lit);
-    LandedTile land_all(std::span<const NodeId> clusters, const LandingFrame<Real>& frame);
+    LandedTile land_all(std::size_t first, std::size_t count, const LandingFrame<Real>& frame);
     void add_planar();
     void add_landed(const LandedTile& tile, const LandingFrame<Real>& frame);
     void add_curved();
@@ -91,8 +94,10 @@ private:
     bool whole_allowed_ = false;
     bool free_after_ = true, free_before_ = true;
     bool may_hide_itself_ = true;  ///< the receivers' object
+    Bounds receivers_[2];          ///< in the sheet's axes and in the world's
     std::vector<NodeId> clusters_;
-    std::vector<NodeId> nodes_;  ///< above the finest level: smaller than the footprints
+    std::vector<std::uint8_t> occluded_;  ///< beside clusters_: 1 where an object may stand in their light
+    std::vector<NodeId> nodes_;           ///< above the finest level: smaller than the footprints
     std::vector<Pair> pairs_;
 };
 
