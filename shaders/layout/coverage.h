@@ -1,5 +1,6 @@
-// Structs of the coverage pass (shaders/sliced_beams/*.comp). Lengths are metres in the axes of one beam sheet, relative
-// to the frame's origin; footprint coordinates are those in which a receiver's footprint is the unit square about 0.
+// Structs of the coverage pass (shaders/sliced_beams/*.comp). Lengths are metres in the axes of one beam
+// sheet, relative to the frame's origin; footprint coordinates are those in which a receiver's footprint is
+// the unit square about 0.
 #ifndef DAPPLE_LAYOUT_COVERAGE
 #define DAPPLE_LAYOUT_COVERAGE
 #include "layout/types.h"
@@ -38,8 +39,8 @@ struct CoverageBlock {
 
 // A receiver on the plane that beams are landed on.
 struct PlanarReceiver {
-    vec2 center;         // coordinates of the frame's footprint
-    vec2 to_x;           // rows of the matrix from there to its own, about `center`
+    vec2 center;  // coordinates of the frame's footprint
+    vec2 to_x;    // rows of the matrix from there to its own, about `center`
     vec2 to_y;
     float inverse_area;  // 1/m^2; 0: no receiver
 };
