@@ -317,8 +317,9 @@ TEST(OnePathOnly, LosesLightWithDepth) {
         std::vector<glm::dvec3> places;
         std::vector<Receiver<double>> pixels;
         for (int i = 0; i < count; ++i) {
-            const double x = half * ((2.0 * (i % side) + 1) / side - 1);
-            const double z = half * ((2.0 * (i / side) + 1) / side - 1);
+            const int row = i / side, column = i % side;
+            const double x = half * ((2.0 * column + 1) / side - 1);
+            const double z = half * ((2.0 * row + 1) / side - 1);
             pixels.push_back(
                 test::receiver<double>(below(x, depth, z), {0, 1, 0}, glm::dvec2(2 * half / side)));
             const double stray = half / side;

@@ -131,7 +131,7 @@ TEST(MayMeet, IsFalseForMostObjectsThatLieClearlyApart) {
 
 enum class Lit { sun, lamp_above, lamp_below };
 
-constexpr std::uint32_t kFloor = 0, kColumn = 1, kParasol = 2;
+constexpr std::uint32_t kFloor = 0, kColumn = 1;
 constexpr double kFloorHeight = -2, kCeilingHeight = 2.5;
 
 /// Gentle waves over a floor with a column on it that is turned; a board hangs in the air.
@@ -284,7 +284,8 @@ struct BesideAPlate {
         for (const double side : {-1.0, 1.0}) {
             std::vector<methods::sliced_beams::Receiver<Real>> receivers;
             for (int i = 0; i < 64; ++i) {
-                const double x = side * 0.32 + size * (i % 8 - 3.5), z = -side * 0.32 + size * (i / 8 - 3.5);
+                const int row = i / 8, column = i % 8;
+                const double x = side * 0.32 + size * (column - 3.5), z = -side * 0.32 + size * (row - 3.5);
                 receivers.push_back(test::receiver<Real>({x, -kDepth, z}, {0, 1, 0}, {size, size}));
             }
             add(receivers, counts, result);

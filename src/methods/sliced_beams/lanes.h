@@ -47,12 +47,14 @@ template <class Numbers>
 inline Numbers magnitude(Numbers x) {
     return x < 0 ? -x : x;
 }
-/// One bit a lane, the first lane lowest.
-inline unsigned bits(Mask<float> m) {
-    return static_cast<unsigned>(_mm256_movemask_ps(reinterpret_cast<__m256>(m)));
-}
-inline unsigned bits(Mask<double> m) {
-    return static_cast<unsigned>(_mm256_movemask_pd(reinterpret_cast<__m256d>(m)));
+/// One bit a lane, the first lane lowest. For any mask: compilers differ in the type that a comparison has.
+template <class AnyMask>
+inline unsigned bits(AnyMask m) {
+    static_assert(sizeof(AnyMask) == 32);
+    if constexpr (sizeof(m[0]) == 4)
+        return static_cast<unsigned>(_mm256_movemask_ps(reinterpret_cast<__m256>(m)));
+    else
+        return static_cast<unsigned>(_mm256_movemask_pd(reinterpret_cast<__m256d>(m)));
 }
 template <class AnyMask>
 inline bool any(AnyMask m) {

@@ -260,7 +260,8 @@ void PointQuery<Real>::visit_hits(const Receiver<Real>& local, std::span<const F
             unsigned lanes = bits(landed.lands) & (look_for_folds() ? ~0u : around);
             for (; lanes != 0; lanes &= lanes - 1) {
                 const int lane = __builtin_ctz(lanes);
-                const std::uint32_t beam = rays.beam[static_cast<std::size_t>(c * kLanes<Real> + lane)];
+                const std::uint32_t beam =
+                    rays.beam[static_cast<std::size_t>(c) * kLanes<Real> + static_cast<std::size_t>(lane)];
                 const bool own_fold =
                     look_for_folds() && may_fold_[beam] != 0 && near_fold(local, frame, beam);
                 fold |= own_fold;

@@ -351,8 +351,8 @@ void Tile<Real>::add_pair(const Local& local, const LitCluster<Real>& lit, int c
     }
     const Receiver<Real>& r = local.receiver;
     Vec3<Real> water(0), landed = r.position;
-    const glm::uvec3& triangle =
-        sheet_.triangles()[lit.beam[static_cast<std::size_t>(chunk * kLanes<Real> + lane)]];
+    const glm::uvec3& triangle = sheet_.triangles()[lit.beam[static_cast<std::size_t>(chunk) * kLanes<Real> +
+                                                             static_cast<std::size_t>(lane)]];
     // A beam landed on a line: its middle.
     const bool empty = part.weights[0] + part.weights[1] + part.weights[2] == 0;
     Real px = 0, py = 0;
