@@ -146,13 +146,9 @@ TEST_F(Probe, TheOracleCountsWhatWavesHideApart) {
 }
 
 TEST_F(Probe, ANamelessLightAndObjectHaveOneNameEverywhere) {
-    const std::vector<std::string> nameless = {"32",
-                                               "18",
-                                               "--set",
-                                               "lights=[{type: sun, elevation: 90 deg, irradiance: 2}]",
-                                               "--set",
-                                               "objects=[{shape: plane, size: [10 m, 1 m, 10 m], "
-                                               "position: [0 m, -2 m, 0 m]}]"};
+    const std::string plane = "objects=[{shape: plane, size: [10 m, 1 m, 10 m], position: [0 m, -2 m, 0 m]}]";
+    const std::vector<std::string> nameless = {
+        "32", "18", "--set", "lights=[{type: sun, elevation: 90 deg, irradiance: 2}]", "--set", plane};
     const Json receiver = views(nameless)[0].at("receiver");
     EXPECT_EQ(receiver.at("object"), "objects[0]");
     EXPECT_EQ(receiver.at("paths")[0].at("chain"), "lights[0] > water:T");

@@ -49,11 +49,12 @@ public:
         const glm::dvec3 v = catcher.v / static_cast<double>(parts);
         const glm::dvec3 normal = glm::normalize(glm::cross(v, u));
         double sum = 0;
-        for (int tile = 0; tile < parts / kSide * (parts / kSide); ++tile) {
+        const int across = parts / kSide;
+        for (int tile = 0; tile < across * across; ++tile) {
             std::vector<methods::sliced_beams::Receiver<float>> receivers;
             for (int k = 0; k < kSide * kSide; ++k) {
-                const double i = tile / (parts / kSide) * kSide + k / kSide + 0.5;
-                const double j = tile % (parts / kSide) * kSide + k % kSide + 0.5;
+                const int row = tile / across * kSide + k / kSide, column = tile % across * kSide + k % kSide;
+                const double i = row + 0.5, j = column + 0.5;
                 receivers.push_back({glm::vec3(catcher.corner + i * u + j * v - scene_.origin), glm::vec3(u),
                                      glm::vec3(v), glm::vec3(normal)});
             }
