@@ -119,8 +119,9 @@ std::vector<double> pixel_means(double view, int pixels, const std::function<dou
     for (int i = 0; i < pixels * pixels; ++i) {
         double sum = 0;
         for (int k = 0; k < points * points; ++k) {
+            const int row = i / pixels, part = k / points;
             const double x = i % pixels + (k % points + 0.5) / points;
-            const double z = i / pixels + (k / points + 0.5) / points;
+            const double z = row + (part + 0.5) / points;
             sum += value(view * (x / pixels - 0.5), view * (z / pixels - 0.5));
         }
         means.push_back(sum / (points * points));

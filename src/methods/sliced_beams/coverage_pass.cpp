@@ -82,7 +82,7 @@ struct Sizes {
 
 /// Copies one work behind those before it, whose sizes are `before`.
 void copy_work(const CoverageWork& work, const Sizes& before, BatchBuffers& to) {
-    const auto at = [](std::span<auto> values, std::size_t first) {
+    const auto at = []<class T>(std::span<T> values, std::size_t first) {
         return values.begin() + static_cast<std::ptrdiff_t>(first);
     };
     const auto first_cluster = static_cast<std::uint32_t>(before.clusters);
