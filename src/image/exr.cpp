@@ -178,7 +178,7 @@ void check_readable(const Imf::Header& header, const std::string& name) {
     }
 }
 
-Image decode(std::span<const std::byte> bytes, const std::string& name) {
+Image decode(std::span<const std::byte> bytes, const std::string& name, const WantedChannel& wanted) {
     MemoryReader stream(bytes, name);
     Imf::MultiPartInputFile file(stream);
     if (file.parts() != 1) {
@@ -197,15 +197,22 @@ Image decode(std::span<const std::byte> bytes, const std::string& name) {
             image.metadata.emplace_back(attribute.name(), text->value());
         }
     }
+    if (Imf::hasChromaticities(header)) {
+        const Imf::Chromaticities& c = Imf::chromaticities(header);
+        image.chromaticities = {
+            {c.red.x, c.red.y}, {c.green.x, c.green.y}, {c.blue.x, c.blue.y}, {c.white.x, c.white.y}};
+    }
     Imf::FrameBuffer buffer;
     const Imf::ChannelList& channels = header.channels();
     for (auto channel = channels.begin(); channel != channels.end(); ++channel) {
+        if (wanted && !wanted(channel.name())) continue;
         Channel& read = image.add(
             channel.name(), channel.channel().type == Imf::HALF ? PixelType::half_float : PixelType::float32);
         // The file's own coordinates begin at the window's corner.
         buffer.insert(read.name, Imf::Slice::Make(Imf::FLOAT, read.values.data(), window.min, image.width,
                                                   image.height));
     }
+    if (image.channels.empty()) return image;
     Imf::InputPart part(file, 0);
     part.setFrameBuffer(buffer);
     part.readPixels(window.min.y, window.max.y);
@@ -252,14 +259,14 @@ EncodedExr encode_exr(const Image& image, const ExrOptions& options) {
     return {encode(image, options, stored), sum_counts(stored)};
 }
 
-Image decode_exr(std::span<const std::byte> bytes, const std::string& name) {
+Image decode_exr(std::span<const std::byte> bytes, const std::string& name, const WantedChannel& wanted) {
     static std::once_flag limited;
     std::call_once(limited, [] {
         Imf::Header::setMaxImageSize(kMostPixelsASide, kMostPixelsASide);
         Imf::Header::setMaxTileSize(kMostPixelsASide, kMostPixelsASide);
     });
     try {
-        return decode(bytes, name);
+        return decode(bytes, name, wanted);
     } catch (const Error&) {
         throw;
     } catch (const std::exception& error) {
@@ -267,8 +274,8 @@ Image decode_exr(std::span<const std::byte> bytes, const std::string& name) {
     }
 }
 
-Image read_exr(const std::string& path) {
-    return decode_exr(read_whole_file(path), path);
+Image read_exr(const std::string& path, const WantedChannel& wanted) {
+    return decode_exr(read_whole_file(path), path, wanted);
 }
 
 bool exr_holds(std::span<const std::byte> bytes, const Image& image, const std::string& name) {

@@ -1,7 +1,7 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
-#include <glm/glm.hpp>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -16,16 +16,6 @@ namespace dapple::image {
 
 /// Of the library: "3.1.5".
 std::string openexr_version();
-
-/// CIE 1931 x, y of the primaries and of white.
-struct Chromaticities {
-    glm::vec2 red, green, blue, white;
-    bool operator==(const Chromaticities&) const = default;
-};
-
-/// AP1 with the ACES white point: the primaries of ACEScg (SMPTE ST 2065-1, Academy S-2014-004).
-inline constexpr Chromaticities kAcesCgChromaticities{
-    {0.713f, 0.293f}, {0.165f, 0.830f}, {0.128f, 0.044f}, {0.32168f, 0.33767f}};
 
 struct ExrOptions {
     /// Of the working space, for scene-linear files; none for display-referred ones.
@@ -64,8 +54,12 @@ EncodedExr encode_exr(const Image& image, const ExrOptions& options = {});
 /// data, pass damage on silently (PIZ) or have open security holes in the library's 3.1 line. Anything else,
 /// and damage, throws Error(input_unreadable) that begins with `name`. Sizes are checked before memory is
 /// taken.
-Image decode_exr(std::span<const std::byte> bytes, const std::string& name);
-Image read_exr(const std::string& path);
+///
+/// `wanted` says which channels are decoded into memory (all, where it is empty); of an image without a
+/// wanted channel only size and metadata come.
+using WantedChannel = std::function<bool(const std::string& channel)>;
+Image decode_exr(std::span<const std::byte> bytes, const std::string& name, const WantedChannel& wanted = {});
+Image read_exr(const std::string& path, const WantedChannel& wanted = {});
 
 /// Whether a file holds exactly what `encode_exr` stores of `image`: size, channels, types and every bit of
 /// the pixels. Throws Error(input_unreadable) like `decode_exr`.

@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/number_pattern.h"
 #include "input/mesh_file.h"
-#include "scene/number_pattern.h"
 
 namespace dapple::ocean {
 namespace {
@@ -81,7 +81,7 @@ bool orient_upwards(scene::TriangleMesh& mesh) {
 }
 
 scene::WaterMesh sequence_mesh(const scene::MeshSequence& sequence, double time) {
-    if (scene::find_number(sequence.pattern).length == 0) {
+    if (find_number(sequence.pattern).length == 0) {
         throw Error(ExitCode::timeline_invalid,
                     clipped(sequence.pattern) + ": write the number of the file once, as %04d or ####");
     }

@@ -22,12 +22,9 @@ struct PreviewResult {
     std::string reason;  ///< why it failed
 };
 
-/// Encodes the pictures as H.264 in MP4: 8 bits, 4:2:0, BT.709 matrix, primaries and transfer, limited range,
-/// exact frame rate, playable while it loads. Odd sizes grow by one pixel, a copy of the last. The encoder is
-/// fed by a pipe, without a shell, writes a temporary that is renamed when it is whole, and uses a fixed
-/// number of threads, so that equal pictures make equal bytes. What fails (no encoder, a picture that cannot
-/// be read) is no error of the job: State::failed and a reason. `stop` is asked between pictures. SIGPIPE
-/// must be ignored.
+/// Encodes the pictures (video/video_writer.h). What fails (no encoder, a picture that cannot be read or has
+/// another size than the first) is no error of the job: State::failed and a reason. `stop` is asked between
+/// pictures.
 PreviewResult make_preview(const PreviewRequest& request, const std::function<bool()>& stop);
 
 }  // namespace dapple::run

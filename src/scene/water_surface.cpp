@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "scene/number_pattern.h"
+#include "base/number_pattern.h"
 
 namespace dapple::scene {
 

@@ -7,9 +7,9 @@
 #include <numeric>
 #include <string_view>
 
+#include "base/number_pattern.h"
 #include "base/suggest.h"
 #include "base/units.h"
-#include "scene/number_pattern.h"
 
 namespace dapple::timeline {
 namespace {
@@ -156,7 +156,7 @@ bool read_text(const Source& source, std::string& text) {
 
 bool read_path(const Source& source, const std::string& folder, std::string& path) {
     if (!read_text(source, path)) return false;
-    if (source.field.kind == FieldKind::path_pattern && scene::find_number(path).length == 0) {
+    if (source.field.kind == FieldKind::path_pattern && find_number(path).length == 0) {
         source.fault(
             "the pattern needs one place for the file's number, such as sea.%04d.ply or sea.####.ply; got " +
             shown(path));

@@ -9,7 +9,7 @@
 #include <set>
 #include <string>
 
-#include "scene/number_pattern.h"
+#include "base/number_pattern.h"
 
 namespace dapple::scene {
 namespace {

@@ -2,7 +2,7 @@
 #include <cstddef>
 #include <string_view>
 
-namespace dapple::scene {
+namespace dapple {
 
 /// The place for the number in a pattern of file names: "%04d", "%d" or "####".
 struct NumberPattern {
@@ -13,4 +13,4 @@ struct NumberPattern {
 
 NumberPattern find_number(std::string_view pattern);
 
-}  // namespace dapple::scene
+}  // namespace dapple

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace dapple::run {
+namespace dapple::video {
 
 /// A child process that is fed through its standard input. It runs in a process group of its own, so that
 /// Ctrl-C on the terminal reaches only its parent, and without a shell.
@@ -34,4 +34,4 @@ private:
     std::FILE* errors_ = nullptr;
 };
 
-}  // namespace dapple::run
+}  // namespace dapple::video

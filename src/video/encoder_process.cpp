@@ -1,4 +1,4 @@
-#include "run/encoder_process.h"
+#include "video/encoder_process.h"
 
 #include <fcntl.h>
 #include <signal.h>
@@ -11,7 +11,7 @@
 
 #include "base/error.h"
 
-namespace dapple::run {
+namespace dapple::video {
 
 EncoderProcess::EncoderProcess(const std::vector<std::string>& arguments) {
     int ends[2];
@@ -97,4 +97,4 @@ void EncoderProcess::close_input() {
     input_ = -1;
 }
 
-}  // namespace dapple::run
+}  // namespace dapple::video

@@ -1,8 +1,8 @@
-#include "scene/number_pattern.h"
+#include "base/number_pattern.h"
 
 #include <algorithm>
 
-namespace dapple::scene {
+namespace dapple {
 namespace {
 
 constexpr std::size_t kMostDigits = 18;  // more do not fit the number
@@ -43,4 +43,4 @@ NumberPattern find_number(std::string_view pattern) {
     return found;
 }
 
-}  // namespace dapple::scene
+}  // namespace dapple

@@ -1,0 +1,31 @@
+#pragma once
+#include <cstddef>
+
+#include "metrics/picture.h"
+
+namespace dapple::metrics {
+
+/// Differences of a picture I to its reference R, over the three channels of all pixels that are counted.
+struct Errors {
+    double mean = 0;          ///< of R
+    double bias = 0;          ///< mean of I - R
+    double mae = 0;           ///< mean of |I - R|: L1
+    double rmse = 0;          ///< root of the mean of (I - R)^2
+    double block_rmse = 0;    ///< RMSE of means over blocks of 4 x 4 pixels, edge blocks as far as they go
+    double relative_mse = 0;  ///< mean of (I - R)^2 / (R^2 + 0.01 (clip mean of R)^2)
+    double psnr = 0;          ///< dB for a peak, infinite for equal pictures
+    double largest = 0;       ///< of |I - R|
+    std::size_t largest_pixel = 0;
+    std::size_t excluded = 0;  ///< pixels
+
+    /// The same as shares of the reference's mean; 0 where that is 0.
+    double relative_bias() const { return mean != 0 ? bias / mean : 0; }
+    double relative_mae() const { return mean != 0 ? mae / mean : 0; }
+    double relative_rmse() const { return mean != 0 ? rmse / mean : 0; }
+};
+
+/// `peak`: signal range of PSNR, 1 for display-referred pictures. `clip_mean`: of R over the clip, fixed so
+/// that the figure of a frame does not depend on its own mean. Both pictures must exclude the same pixels.
+Errors errors_of(const Picture& picture, const Picture& reference, double peak, double clip_mean);
+
+}  // namespace dapple::metrics
