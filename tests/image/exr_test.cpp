@@ -118,6 +118,27 @@ TEST(Exr, KeepsLayersTypesAndMetadata) {
                                            Pair("dapple:frame", "12"), Pair("owner", "")));
 }
 
+TEST(Exr, ReadsOnlyTheChannelsThatAreWanted) {
+    const Image picture = sample_image(61, 37);
+    const std::vector<std::byte> bytes = encode_exr(picture).bytes;
+    const Image some = decode_exr(bytes, "memory", [](const std::string& name) { return name.size() == 1; });
+    ASSERT_EQ(some.channels.size(), 4u);
+    EXPECT_EQ(some.find("E.G"), nullptr);
+    EXPECT_EQ(some.find("Z")->values, picture.find("Z")->values);
+    const Image none = decode_exr(bytes, "memory", [](const std::string&) { return false; });
+    EXPECT_TRUE(none.channels.empty());
+    EXPECT_EQ(none.width, 61);
+    EXPECT_EQ(none.metadata.size(), picture.metadata.size());
+}
+
+TEST(Exr, TellsThePrimariesOfAFile) {
+    const Image picture = sample_image(5, 3);
+    ExrOptions options;
+    EXPECT_FALSE(decode_exr(encode_exr(picture, options).bytes, "memory").chromaticities);
+    options.chromaticities = kAcesCgChromaticities;
+    EXPECT_EQ(decode_exr(encode_exr(picture, options).bytes, "memory").chromaticities, kAcesCgChromaticities);
+}
+
 TEST(Exr, SameBytesOnAnyNumberOfThreads) {
     const Image picture = sample_image(200, 150);
     set_thread_count(1);
