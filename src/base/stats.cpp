@@ -2,7 +2,9 @@
 
 #include <sys/resource.h>
 
+#include <cstdio>
 #include <ctime>
+#include <fstream>
 
 namespace dapple {
 namespace {
@@ -59,6 +61,12 @@ double cpu_seconds() {
 }
 
 std::uint64_t peak_memory_bytes() {
+    // Not from getrusage, which counts in what a parent held when it started this process.
+    std::ifstream status("/proc/self/status");
+    for (std::string line; std::getline(status, line);) {
+        unsigned long long kib = 0;
+        if (std::sscanf(line.c_str(), "VmHWM: %llu", &kib) == 1) return std::uint64_t{kib} * 1024;
+    }
     rusage usage{};
     getrusage(RUSAGE_SELF, &usage);
     return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;

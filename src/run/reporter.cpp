@@ -106,6 +106,10 @@ void Reporter::note(const std::string& message) {
     line(message);
 }
 
+void Reporter::status(const std::string& text) {
+    if (terminal_) update_line(text);
+}
+
 void Reporter::run_ended(int exit_code, const std::string& summary) {
     event(
         "run_ended",
@@ -134,11 +138,15 @@ void Reporter::progress(const std::string& text) {
     const std::string full = text + ", " + std::to_string(rendered_ + kept_) + " of " +
                              std::to_string(frames_) + " done" + time_left();
     if (terminal_) {
-        write_text(STDOUT_FILENO, "\r\033[K" + full);  // CSI K: erase to the end of the line (ECMA-48)
-        line_open_ = true;
+        update_line(full);
     } else {
         write_text(STDOUT_FILENO, full + "\n");
     }
+}
+
+void Reporter::update_line(const std::string& text) {
+    write_text(STDOUT_FILENO, "\r\033[K" + text);  // CSI K: erase to the end of the line (ECMA-48)
+    line_open_ = true;
 }
 
 void Reporter::line(const std::string& text) {

@@ -26,6 +26,8 @@ public:
     /// Something that the user should know but that stops nothing; on standard error.
     void warning(const std::string& message);
     void note(const std::string& message);
+    /// What is going on, in the updating line; only where that is a terminal.
+    void status(const std::string& text);
     /// The last line: what was done, in how long.
     void run_ended(int exit_code, const std::string& summary);
     /// For the event log only: the caller prints its error.
@@ -37,6 +39,7 @@ public:
 
 private:
     void progress(const std::string& text);
+    void update_line(const std::string& text);
     void line(const std::string& text);
     void event(const std::string& name, const std::string& members);
     std::string time_left() const;
