@@ -1,5 +1,6 @@
 #pragma once
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "metrics/picture.h"
@@ -7,26 +8,43 @@
 namespace dapple::metrics {
 
 /// Flicker by band of temporal frequency: the power spectrum in time of D (luminance, or its error), mean
-/// over pixels, by windows of kWindow frames (Hann, half overlapped: Welch 1967), summed into octaves. Memory
-/// is one window of luminance, whatever the clip's length.
+/// over pixels, by windows of kWindow frames (Hann, half overlapped, their own mean taken off: Welch 1967),
+/// the last one ending at the last frame, summed into octaves. Memory is one window of luminance, whatever
+/// the clip's length. What happens at the very ends of a clip weighs little, as Hann's window is 0 there.
 class BandFlicker {
 public:
     static constexpr int kWindow = 32;  ///< frames; a shorter clip is one window of its own length
 
+    /// `fps` above 0.
     explicit BandFlicker(double fps);
-    void add(const std::vector<float>& values);
+    /// D of the next frame, all of one size. A window leaves out pixels that any of its frames excludes.
+    void add(const std::vector<float>& values, const std::vector<std::uint32_t>& excluded = {});
 
     struct Band {
         double low_hz = 0;
         double high_hz = 0;
         double energy = 0;  ///< mean over pixels of the variance in time within the band
     };
-    /// Octaves below half the frame rate, from low to high; the constant part belongs to none. A sine of
-    /// amplitude a has energy a^2 / 2, all in its band where it lies in the middle third of it.
+    /// Three octaves below half the frame rate, and what lies below them (the lowest is 2 of a window's
+    /// frequencies wide), from low to high. The constant part belongs to none. A sine of amplitude a has
+    /// energy a^2 / 2, and 99 % of it in its own band where it lies fps / 16 or more inside it.
     std::vector<Band> bands() const;
 
 private:
+    static constexpr int kBands = 4;
+    struct Frame {
+        std::vector<float> values;
+        std::vector<std::uint32_t> excluded;
+    };
+    /// Mean over pixels of the energies of the last min(frames_, kWindow) frames.
+    std::vector<double> window_energies() const;
+
     double fps_;
+    std::size_t frames_ = 0;  ///< so far
+    std::vector<Frame> ring_;
+    std::vector<double> energies_;  ///< sums over the windows so far
+    std::size_t windows_ = 0;
+    std::size_t last_window_end_ = 0;
 };
 
 }  // namespace dapple::metrics
