@@ -109,7 +109,7 @@ CodeValues decode_png(std::span<const std::byte> bytes, const std::string& name)
     return picture;
 }
 
-WrittenFile write_png(const std::string& path, int width, int height, std::span<const std::uint8_t> rgb) {
+std::vector<std::byte> encode_png(int width, int height, std::span<const std::uint8_t> rgb) {
     assert(width > 0 && height > 0);
     assert(rgb.size() == 3 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
     png_image picture{};
@@ -120,10 +120,14 @@ WrittenFile write_png(const std::string& path, int width, int height, std::span<
     png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(picture);
     std::vector<std::byte> bytes(size);
     if (png_image_write_to_memory(&picture, bytes.data(), &size, 0, rgb.data(), 0, nullptr) == 0) {
-        throw Error(ExitCode::output_unwritable, path + ": cannot be encoded: " + clipped(picture.message));
+        throw Error(ExitCode::failure, "a PNG cannot be encoded: " + clipped(picture.message));
     }
     bytes.resize(size);
-    return write_file_atomically(path, bytes);
+    return bytes;
+}
+
+WrittenFile write_png(const std::string& path, int width, int height, std::span<const std::uint8_t> rgb) {
+    return write_file_atomically(path, encode_png(width, height, rgb));
 }
 
 }  // namespace dapple::image

@@ -22,8 +22,11 @@ struct CodeValues {
 /// `name`.
 CodeValues decode_png(std::span<const std::byte> bytes, const std::string& name);
 
-/// 8-bit sRGB PNG of interleaved rows (`rgb.size() == 3 * width * height`), written atomically. The same
-/// picture gives the same bytes. Throws Error(output_unwritable).
+/// 8-bit sRGB PNG of interleaved rows (`rgb.size() == 3 * width * height`). The same picture gives the same
+/// bytes. Throws Error(failure) where libpng refuses.
+std::vector<std::byte> encode_png(int width, int height, std::span<const std::uint8_t> rgb);
+
+/// The same, written atomically. Throws Error(output_unwritable).
 WrittenFile write_png(const std::string& path, int width, int height, std::span<const std::uint8_t> rgb);
 
 }  // namespace dapple::image

@@ -24,13 +24,18 @@ public:
     void fill(int x, int y, int width, int height, Color color);
     /// Copies interleaved rows of a picture, bit by bit.
     void blit(int x, int y, std::span<const std::uint8_t> rgb, int width, int height);
-    /// One column of pixels or a thin line between two points, anti-aliased.
+    /// A line between two points, anti-aliased, with round ends. Pixels have their centres at + 0.5: a line
+    /// of width 1 along centres fills exactly their row or column.
     void line(double x0, double y0, double x1, double y1, Color color, double width = 1);
-    /// UTF-8 text in the built-in font, `size` pixels from line to line, its top left at (x, y);
-    /// anti-aliased. Characters that the font lacks are drawn as a box. Returns its width in pixels.
+    /// UTF-8 text on one line in the built-in font, `size` pixels from line to line, its top left at (x, y);
+    /// anti-aliased. Characters that the font lacks are drawn as a box. Rounding may take ink a pixel beyond
+    /// the line. Returns its width in pixels.
     int text(int x, int y, int size, Color color, std::string_view text);
 
 private:
+    /// `color` over a pixel, coverage in 255ths; nothing outside.
+    void blend(int x, int y, Color color, int coverage);
+
     int width_, height_;
     std::vector<std::uint8_t> rgb_;
 };

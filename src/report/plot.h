@@ -6,19 +6,19 @@
 namespace dapple::report {
 
 struct Series {
-    std::string name;
-    std::vector<std::pair<double, double>> points;  ///< in the order of x; what is not finite is left out
+    std::string name = {};
+    std::vector<std::pair<double, double>> points = {};  ///< in the order of x; not finite: a gap
     bool line = true;
     bool marks = false;
 };
 
 struct Plot {
-    std::string title, x_label, y_label;
-    bool log_x = false;  ///< values <= 0 are left out
+    std::string title = {}, x_label = {}, y_label = {};
+    bool log_x = false;  ///< values <= 0 are gaps
     bool log_y = false;
-    std::vector<Series> series;
-    std::vector<std::pair<double, std::string>> limits;  ///< level lines: y and what they are
-    int width = 760, height = 300;                       ///< px
+    std::vector<Series> series = {};
+    std::vector<std::pair<double, std::string>> limits = {};  ///< level lines: y and what they are
+    int width = 760, height = 300;                            ///< px
 };
 
 /// The plot as an <svg> element of its own, with axes, ticks, legend; text is escaped. Without a point it
