@@ -134,8 +134,9 @@ TEST(Flicker, CountsPixelsByTheirTerm) {
 }
 
 TEST(Flicker, JumpsAreFarAboveTheClipsMedian) {
-    // Every pixel trembles by 1/64 so that H = 1/32, and 60 pixels of frame 4 flash by 1.5 on top.
-    Clip clip = clip_of(9, [](int t) { return t % 2 == 0 ? 1.0f / 64 : 0.0f; });
+    // Every pixel trembles, so that H = 1/64, and 60 pixels of frame 4 flash by 1.5 on top.
+    const auto tremble = [](int t) { return t % 2 == 0 ? 1.0f / 64 : 0.0f; };
+    Clip clip = clip_of(9, tremble);
     for (std::size_t i = 100; i < 160; ++i) clip[4].luminance[i] += 1.5f;
     const ClipFlicker figures = clip_flicker(figures_of(clip));
     // The upper end of the bin that begins at 2^-12 (H = 1/64); a jump is 32 times as high, H = 0.55: the
@@ -146,6 +147,13 @@ TEST(Flicker, JumpsAreFarAboveTheClipsMedian) {
         EXPECT_EQ(frame.jump_share, t >= 3 && t <= 5 ? 60.0 / (kWidth * kHeight) : 0) << t;
     }
     EXPECT_EQ(figures.worst_frame, 4);
+
+    // One pixel with H just below and just above the root of jump_term, 0.545.
+    for (const auto& [high_pass, jumps] : {std::pair{0.54f, false}, {0.55f, true}}) {
+        Clip edge = clip_of(9, tremble);
+        edge[4].luminance[7] += high_pass - 1.0f / 64;
+        EXPECT_EQ(clip_flicker(figures_of(edge)).frames.at(4).jump_share > 0, jumps) << high_pass;
+    }
 
     // Without the tremble a jump must still exceed 32 times 1e-4 of the mean.
     for (const auto& [step, jumps] : {std::pair{0x1p-10f, false}, {0x1p-4f, true}}) {
