@@ -93,4 +93,16 @@ int text_width(int size, std::string_view text) {
     return set_text(size, text);
 }
 
+std::string shortened(int size, std::string_view text, int width) {
+    std::string fitting(text);
+    while (text_width(size, fitting) > width) {
+        if (text.empty()) return "";
+        // A whole character: with the bytes that continue it in UTF-8.
+        do text.remove_prefix(1);
+        while (!text.empty() && (static_cast<unsigned char>(text.front()) & 0xC0) == 0x80);
+        fitting = "\u2026" + std::string(text);
+    }
+    return fitting;
+}
+
 }  // namespace dapple::report

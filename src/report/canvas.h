@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -42,5 +43,9 @@ private:
 
 /// Width in pixels that Canvas::text would take.
 int text_width(int size, std::string_view text);
+
+/// The text, or an ellipsis and as much of its end as fits a width: names differ at their ends. Empty where
+/// not even the ellipsis fits.
+std::string shortened(int size, std::string_view text, int width);
 
 }  // namespace dapple::report

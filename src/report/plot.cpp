@@ -3,14 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
-#include <cmath>
 #include <cstddef>
-#include <limits>
 
+#include "report/axis.h"
 #include "report/canvas.h"
 #include "report/heat_map.h"
 #include "report/html_page.h"
-#include "report/ticks.h"
 
 namespace dapple::report {
 namespace {
@@ -33,73 +31,6 @@ std::string px(double value) {
     return {text, std::to_chars(text, text + sizeof text, value, std::chars_format::fixed, 2).ptr};
 }
 
-/// One axis: values to pixels.
-class Axis {
-public:
-    Axis(bool log, std::string label) : log_(log), label_(std::move(label)) {}
-
-    bool shows(double value) const { return std::isfinite(value) && (!log_ || value > 0); }
-    void include(double value) {
-        low_ = std::min(low_, value);
-        high_ = std::max(high_, value);
-    }
-    bool empty() const { return low_ > high_; }
-    /// Widens a single value to a range and leaves a margin of `share` at both ends.
-    void finish(double share) {
-        // Below, the range is rounding: no ticks could be told apart.
-        const bool one_value = high_ - low_ <= 1e-9 * std::max(std::abs(low_), std::abs(high_));
-        if (log_) {
-            if (one_value) {
-                low_ /= 2;
-                high_ *= 2;
-            }
-            const double factor = std::pow(high_ / low_, share);
-            low_ /= factor;
-            high_ *= factor;
-        } else {
-            if (one_value) {
-                const double half = low_ == 0 ? 1 : std::abs(low_) / 2;
-                low_ -= half;
-                high_ += half;
-            }
-            const double margin = share * (high_ - low_);
-            // What comes near to 0 and is never negative keeps its axis at 0.
-            low_ = low_ >= 0 && low_ < 0.25 * high_ ? 0 : low_ - margin;
-            high_ += margin;
-        }
-    }
-    void place(double at_low, double at_high) {
-        at_low_ = at_low;
-        at_high_ = at_high;
-    }
-    std::vector<double> ticks(int most) const {
-        return log_ ? log_ticks({low_, high_}, most) : linear_ticks({low_, high_}, most);
-    }
-    /// All of 2, ..., 9 times a power of ten, where they are few enough to read a value by; else none.
-    std::vector<double> fine_ticks() const {
-        std::vector<double> fine;
-        if (!log_ || high_ / low_ > 1e6) return fine;
-        for (double decade = std::pow(10, std::floor(std::log10(low_))); decade < high_; decade *= 10) {
-            for (int i = 2; i < 10; ++i) {
-                if (i * decade > low_ && i * decade < high_) fine.push_back(i * decade);
-            }
-        }
-        return fine;
-    }
-    double operator()(double value) const {
-        const double share =
-            log_ ? std::log(value / low_) / std::log(high_ / low_) : (value - low_) / (high_ - low_);
-        return at_low_ + share * (at_high_ - at_low_);
-    }
-    const std::string& label() const { return label_; }
-
-private:
-    bool log_;
-    std::string label_;
-    double low_ = std::numeric_limits<double>::infinity(), high_ = -std::numeric_limits<double>::infinity();
-    double at_low_ = 0, at_high_ = 1;
-};
-
 std::string text_element(double x, double y, const char* anchor, const std::string& text,
                          const std::string& more = "") {
     return "<text x=\"" + px(x) + "\" y=\"" + px(y) + "\" text-anchor=\"" + anchor + "\"" + more + ">" +
@@ -114,7 +45,7 @@ std::string line_element(double x0, double y0, double x1, double y1, const std::
 std::string pen(std::size_t series) {
     const char* dash = kDashes[series / kColors.size() % kDashes.size()];
     std::string style = std::string("fill=\"none\" stroke=\"") + kColors[series % kColors.size()] +
-                        "\" stroke-width=\"1.75\" stroke-linejoin=\"round\"";
+                        "\" stroke-width=\"1.75\" stroke-linejoin=\"round\" stroke-linecap=\"round\"";
     if (*dash != '\0') style += std::string(" stroke-dasharray=\"") + dash + "\"";
     return style;
 }
@@ -156,12 +87,13 @@ int legend(const Plot& plot, int top, std::string& out) {
 }
 
 void draw_series(const Series& series, std::size_t number, const Axis& x, const Axis& y, std::string& out) {
-    // What cannot be shown is a gap in the line, not a straight way across.
+    // What cannot be shown is a gap in the line, not a straight way across. The first after a gap is a dot,
+    // so that one alone can be seen.
     std::string path;
     bool drawn = false;
     for (const auto& [at, value] : series.points) {
         const bool shown = x.shows(at) && y.shows(value);
-        if (shown) path += (drawn ? "L" : "M") + px(x(at)) + " " + px(y(value));
+        if (shown) path += (drawn ? "L" : "M") + px(x(at)) + " " + px(y(value)) + (drawn ? "" : "h0");
         drawn = shown;
     }
     if (series.line && !path.empty()) out += "<path d=\"" + path + "\" " + pen(number) + "/>\n";
@@ -174,7 +106,7 @@ void draw_series(const Series& series, std::size_t number, const Axis& x, const 
 }
 
 /// Grid, ticks and their numbers, frame and labels of axes that have been placed.
-std::string axes(const Axis& x, const Axis& y, int left, int top, int right, int bottom) {
+std::string axes(const Plot& plot, const Axis& x, const Axis& y, int left, int top, int right, int bottom) {
     std::string out;
     for (const double tick : x.fine_ticks()) out += line_element(x(tick), top, x(tick), bottom, kFineGrid);
     for (const double tick : y.fine_ticks()) out += line_element(left, y(tick), right, y(tick), kFineGrid);
@@ -188,9 +120,10 @@ std::string axes(const Axis& x, const Axis& y, int left, int top, int right, int
     }
     out += "<rect x=\"" + px(left) + "\" y=\"" + px(top) + "\" width=\"" + px(right - left) + "\" height=\"" +
            px(bottom - top) + "\" fill=\"none\" stroke=\"#7d848e\"/>\n";
-    out += text_element((left + right) / 2.0, bottom + 2 * kText + 8, "middle", x.label());
+    out += text_element((left + right) / 2.0, bottom + 2 * kText + 8, "middle", plot.x_label);
     const double middle = (top + bottom) / 2.0;
-    out += text_element(14, middle, "middle", y.label(), " transform=\"rotate(-90 14 " + px(middle) + ")\"");
+    out +=
+        text_element(14, middle, "middle", plot.y_label, " transform=\"rotate(-90 14 " + px(middle) + ")\"");
     return out;
 }
 
@@ -210,7 +143,7 @@ std::string svg(const Plot& plot) {
     }
     top += legend(plot, top, out) + 4;
 
-    Axis x(plot.log_x, plot.x_label), y(plot.log_y, plot.y_label);
+    Axis x(plot.log_x), y(plot.log_y);
     for (const Series& series : plot.series) {
         for (const auto& [at, value] : series.points) {
             if (!x.shows(at) || !y.shows(value)) continue;
@@ -238,7 +171,7 @@ std::string svg(const Plot& plot) {
     x.place(left, right);
     y.place(bottom, top);
 
-    out += axes(x, y, left, top, right, bottom);
+    out += axes(plot, x, y, left, top, right, bottom);
     for (const auto& [level, name] : plot.limits) {
         if (!y.shows(level)) continue;
         out += line_element(left, y(level), right, y(level),

@@ -156,6 +156,21 @@ TEST(Canvas, BrokenAndUnknownCharactersAreBoxes) {
     EXPECT_NE(bytes_of(written(20, "a")), bytes_of(written(20, "b")));
 }
 
+TEST(Canvas, LongTextKeepsItsEnd) {
+    const std::string text = "renders/größe/sliced_beams";
+    EXPECT_EQ(shortened(16, text, 1000), text);
+    EXPECT_EQ(shortened(16, text, text_width(16, text)), text);
+    for (int width = 20; width < text_width(16, text); width += 7) {
+        const std::string cut = shortened(16, text, width);
+        EXPECT_LE(text_width(16, cut), width);
+        EXPECT_GT(text_width(16, cut), width - 16) << "a character more would have fitted";
+        ASSERT_TRUE(cut.starts_with("\u2026"));
+        EXPECT_TRUE(text.ends_with(cut.substr(3))) << cut;
+        EXPECT_NE(static_cast<unsigned char>(cut[3]) & 0xC0, 0x80) << "half a character";
+    }
+    EXPECT_EQ(shortened(16, text, 3), "");
+}
+
 TEST(Canvas, TheSameBitsFromAnyThread) {
     const std::string text = "frame 0012  t = 0.458 s";
     const std::vector<std::uint8_t> wanted = bytes_of(written(17, text));

@@ -71,7 +71,7 @@ TEST(Plot, PointsStandWhereTheAxesSay) {
               .series = {{"a", {{0, 0}, {5, 50}, {10, 100}}}}};
     const std::string text = svg(plot);
     double x[3] = {}, y[3] = {};
-    ASSERT_EQ(std::sscanf(path_of(text).c_str(), "M%lf %lfL%lf %lfL%lf %lf", &x[0], &y[0], &x[1], &y[1],
+    ASSERT_EQ(std::sscanf(path_of(text).c_str(), "M%lf %lfh0L%lf %lfL%lf %lf", &x[0], &y[0], &x[1], &y[1],
                           &x[2], &y[2]),
               6);
     // Values are printed in hundredths of a pixel.
@@ -85,8 +85,8 @@ TEST(Plot, PointsStandWhereTheAxesSay) {
 TEST(Plot, DecadesAreEquallyFarApart) {
     Plot plot{.log_x = true, .log_y = true, .series = {{"", {{1, 1e-3}, {10, 1e-2}, {100, 1e-1}}}}};
     double x[3] = {}, y[3] = {};
-    ASSERT_EQ(std::sscanf(path_of(svg(plot)).c_str(), "M%lf %lfL%lf %lfL%lf %lf", &x[0], &y[0], &x[1], &y[1],
-                          &x[2], &y[2]),
+    ASSERT_EQ(std::sscanf(path_of(svg(plot)).c_str(), "M%lf %lfh0L%lf %lfL%lf %lf", &x[0], &y[0], &x[1],
+                          &y[1], &x[2], &y[2]),
               6);
     EXPECT_NEAR(x[1] - x[0], x[2] - x[1], 0.021);
     EXPECT_NEAR(y[1] - y[0], y[2] - y[1], 0.021);

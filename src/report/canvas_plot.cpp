@@ -1,0 +1,90 @@
+#include "report/canvas_plot.h"
+
+#include <algorithm>
+#include <cassert>
+#include <string>
+#include <utility>
+
+#include "report/heat_map.h"
+
+namespace dapple::report {
+namespace {
+
+constexpr int kText = 14;  // px from line to line
+constexpr Color kFrame{110, 112, 120}, kGrid{58, 59, 66}, kNumbers{176, 178, 186}, kCursor{255, 255, 255};
+constexpr double kLine = 1.6;  // px
+
+}  // namespace
+
+CanvasPlot::CanvasPlot(Plot plot, std::vector<Color> colors, int x, int y, int width, int height)
+    : plot_(std::move(plot)), colors_(std::move(colors)), x_(plot_.log_x), y_(plot_.log_y) {
+    assert(colors_.size() >= plot_.series.size());
+    for (const Series& series : plot_.series) {
+        for (const auto& [at, value] : series.points) {
+            if (!x_.shows(at) || !y_.shows(value)) continue;
+            x_.include(at);
+            y_.include(value);
+        }
+    }
+    top_ = y + kText / 2;
+    bottom_ = y + height - kText - 4;
+    right_ = x + width - 1 - kText;  // the last number may stand beyond the frame
+    left_ = x + kText;
+    if (x_.empty()) return;
+    x_.finish(0.02);
+    y_.finish(0.08);
+    int widest = 0;
+    for (const double tick : y_.ticks(std::max(2, (bottom_ - top_) / 28))) {
+        widest = std::max(widest, text_width(kText, short_number(tick)));
+    }
+    left_ = x + widest + 8;
+    x_.place(left_, right_);
+    y_.place(bottom_, top_);
+}
+
+void CanvasPlot::draw(Canvas& canvas) const {
+    if (x_.empty()) {
+        const std::string text = "there is nothing to show";
+        canvas.text((left_ + right_ - text_width(kText, text)) / 2, (top_ + bottom_ - kText) / 2, kText,
+                    kNumbers, text);
+        return;
+    }
+    for (const double tick : x_.ticks(std::max(2, (right_ - left_) / 70))) {
+        const std::string number = short_number(tick);
+        canvas.line(x_(tick), top_, x_(tick), bottom_, kGrid);
+        canvas.text(static_cast<int>(x_(tick)) - text_width(kText, number) / 2, bottom_ + 4, kText, kNumbers,
+                    number);
+    }
+    for (const double tick : y_.ticks(std::max(2, (bottom_ - top_) / 28))) {
+        const std::string number = short_number(tick);
+        canvas.line(left_, y_(tick), right_, y_(tick), kGrid);
+        canvas.text(left_ - 6 - text_width(kText, number), static_cast<int>(y_(tick)) - kText / 2, kText,
+                    kNumbers, number);
+    }
+    canvas.fill(left_, top_, right_ - left_ + 1, 1, kFrame);
+    canvas.fill(left_, bottom_, right_ - left_ + 1, 1, kFrame);
+    canvas.fill(left_, top_, 1, bottom_ - top_ + 1, kFrame);
+    canvas.fill(right_, top_, 1, bottom_ - top_ + 1, kFrame);
+    for (std::size_t i = 0; i < plot_.series.size(); ++i) {
+        const std::pair<double, double>* before = nullptr;
+        for (const auto& point : plot_.series[i].points) {
+            if (!x_.shows(point.first) || !y_.shows(point.second)) {
+                before = nullptr;
+                continue;
+            }
+            // The first after a gap is a dot, so that one alone can be seen.
+            const auto& from = before != nullptr ? *before : point;
+            canvas.line(x_(from.first), y_(from.second), x_(point.first), y_(point.second), colors_[i],
+                        kLine);
+            before = &point;
+        }
+    }
+}
+
+void CanvasPlot::draw_cursor(Canvas& canvas, double at) const {
+    if (x_.empty() || !x_.shows(at)) return;
+    const double x = std::clamp(x_(at), static_cast<double>(left_), static_cast<double>(right_));
+    canvas.line(x, top_, x, bottom_, kCursor);
+}
+
+}  // namespace dapple::report
