@@ -19,22 +19,26 @@ struct Exposures {
 };
 
 /// From the reference's luminance: start = log2(x / Y_max), stop = log2(x / Y_median), x where the ACES tone
-/// curve gives 0.85, count = max(2, ceil(stop - start)) (Andersson et al. 2021, section 3). The median is of
-/// pixels above 0, and Y_max is the largest of all pictures given; a black clip has exposure 0.
+/// curve gives 0.85, count = max(2, ceil(stop - start)) (Andersson et al. 2021, section 2.1). Largest and
+/// median are of all counted pixels of all pictures given, linear Rec.709; where the median is not above 0,
+/// which the paper leaves open, it is that of the pixels above 0. Where there is none the exposure is 0.
 Exposures exposures_of(const std::vector<const Picture*>& references);
 
 struct Flip {
     double mean = 0;             ///< of the map, in [0, 1]
-    double weighted_median = 0;  ///< of the map, each value weighted by itself
+    double weighted_median = 0;  ///< the smallest value that, with all below it, makes half of the map's sum
     double largest = 0;
-    std::vector<float> map;  ///< a value a pixel
+    std::vector<float> map;  ///< a value a pixel; 0 at excluded ones
 };
 
-/// Display-referred pictures: sRGB code values in [0, 1], held there.
+/// Display-referred pictures: sRGB code values in [0, 1], held there. Both must have one size and exclude the
+/// same pixels, which enter their neighbours' blur as black in both and no figure of their own. Computed in
+/// float: values are right to 1e-5, to 5e-5 where they are below 1e-3.
 Flip flip_ldr(const Picture& picture, const Picture& reference,
               double pixels_per_degree = kDefaultPixelsPerDegree);
 
-/// Scene-linear pictures of Rec.709 primaries: the largest LDR-FLIP of all exposures.
+/// Scene-linear pictures of Rec.709 primaries (to_rec709): at each pixel the largest LDR-FLIP of all
+/// exposures, tone-mapped by the fit to ACES. Negative values count as 0.
 Flip flip_hdr(const Picture& picture, const Picture& reference, const Exposures& exposures,
               double pixels_per_degree = kDefaultPixelsPerDegree);
 

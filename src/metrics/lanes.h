@@ -1,4 +1,6 @@
 #pragma once
+#include <immintrin.h>
+
 #include <cstddef>
 #include <cstring>
 
@@ -10,17 +12,24 @@ namespace dapple::metrics {
 using Doubles = double __attribute__((vector_size(32)));
 inline constexpr std::size_t kDoubleLanes = 4;
 
-using Floats = float __attribute__((vector_size(32)));
+using Floats = __m256;
 inline constexpr std::size_t kFloatLanes = 8;
 
 inline Floats load(const float* values) {
-    Floats lanes;
-    std::memcpy(&lanes, values, sizeof lanes);
-    return lanes;
+    return _mm256_loadu_ps(values);
 }
 
 inline void store(float* values, Floats lanes) {
-    std::memcpy(values, &lanes, sizeof lanes);
+    _mm256_storeu_ps(values, lanes);
+}
+
+inline Floats all(float value) {
+    return _mm256_set1_ps(value);
+}
+
+/// a b + c with one rounding, which the build never makes of a product and a sum by itself.
+inline Floats fma(Floats a, Floats b, Floats c) {
+    return _mm256_fmadd_ps(a, b, c);
 }
 
 inline Doubles load(const double* values) {

@@ -1,0 +1,147 @@
+#include "metrics/flip.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <optional>
+
+#include "base/parallel.h"
+#include "metrics/flip_rows.h"
+
+namespace dapple::metrics {
+namespace {
+
+/// Small enough that the rows in work stay in a core's cache, large enough that the margin, which neighbours
+/// compute too, costs little.
+constexpr std::size_t kTileWidth = 480;
+constexpr std::size_t kTileHeight = 120;
+
+/// Value of the map that halves the sum of all: the smallest whose sum with those below is half of it or
+/// more.
+double weighted_median(const std::vector<float>& map, double total) {
+    // By bins of equal width, then by order within the bin where the half lies.
+    constexpr std::size_t kBins = 4096;
+    const auto bin_of = [](float value) {
+        return std::min(kBins - 1, static_cast<std::size_t>(value * static_cast<float>(kBins)));
+    };
+    std::vector<double> sums(kBins);
+    for (const float value : map) sums[bin_of(value)] += static_cast<double>(value);
+    double below = 0;
+    std::size_t bin = 0;
+    while (bin + 1 < kBins && below + sums[bin] < 0.5 * total) below += sums[bin++];
+    std::vector<float> values;
+    std::ranges::copy_if(map, std::back_inserter(values), [&](float value) { return bin_of(value) == bin; });
+    std::ranges::sort(values);
+    for (const float value : values) {
+        below += static_cast<double>(value);
+        if (below >= 0.5 * total) return static_cast<double>(value);
+    }
+    return values.empty() ? 0 : static_cast<double>(values.back());
+}
+
+/// The map's figures; excluded pixels count nowhere.
+void summarise(Flip& flip, const Picture& picture) {
+    for (const std::uint32_t pixel : picture.excluded) flip.map[pixel] = 0;
+    const std::size_t width = static_cast<std::size_t>(picture.width);
+    double total = 0;
+    for (std::size_t y = 0; y < static_cast<std::size_t>(picture.height); ++y) {
+        double row = 0;
+        for (std::size_t x = 0; x < width; ++x) {
+            const double value = static_cast<double>(flip.map[y * width + x]);
+            row += value;
+            flip.largest = std::max(flip.largest, value);
+        }
+        total += row;
+    }
+    if (picture.counted() > 0) flip.mean = total / static_cast<double>(picture.counted());
+    flip.weighted_median = weighted_median(flip.map, total);
+}
+
+/// The largest of the given exposures; no exposure stands for sRGB.
+Flip largest_flip(const Picture& picture, const Picture& reference,
+                  const std::vector<std::optional<double>>& exposures, double pixels_per_degree) {
+    assert(picture.width == reference.width && picture.height == reference.height);
+    assert(picture.excluded == reference.excluded);
+    const std::size_t width = static_cast<std::size_t>(picture.width);
+    const std::size_t height = static_cast<std::size_t>(picture.height);
+    const FlipKernels kernels = flip_kernels(pixels_per_degree);
+    const std::size_t across = (width + kTileWidth - 1) / kTileWidth;
+    const std::size_t down = (height + kTileHeight - 1) / kTileHeight;
+    Flip flip;
+    flip.map.resize(picture.pixels());
+    parallel_for(across * down, 1, [&](std::size_t index, std::size_t) {
+        FlipTile tile;
+        tile.left = index % across * kTileWidth;
+        tile.right = std::min(width, tile.left + kTileWidth);
+        tile.top = index / across * kTileHeight;
+        tile.bottom = std::min(height, tile.top + kTileHeight);
+        FlipRows picture_rows(picture, kernels, tile), reference_rows(reference, kernels, tile);
+        std::vector<float> row(kTileWidth);
+        for (const std::optional<double>& exposure : exposures) {
+            picture_rows.start(exposure);
+            reference_rows.start(exposure);
+            for (std::size_t y = tile.top; y < tile.bottom; ++y) {
+                picture_rows.advance();
+                reference_rows.advance();
+                compare_rows(picture_rows, reference_rows, tile.right - tile.left, row.data());
+                float* const out = flip.map.data() + y * width + tile.left;
+                for (std::size_t x = 0; x < tile.right - tile.left; ++x) out[x] = std::max(out[x], row[x]);
+            }
+        }
+    });
+    summarise(flip, reference);
+    return flip;
+}
+
+}  // namespace
+
+Exposures exposures_of(const std::vector<const Picture*>& references) {
+    double largest = 0;
+    std::vector<float> luminances, positive;
+    for (const Picture* reference : references) {
+        std::size_t excluded = 0;
+        for (std::size_t i = 0; i < reference->pixels(); ++i) {
+            if (excluded < reference->excluded.size() && reference->excluded[excluded] == i) {
+                ++excluded;
+                continue;
+            }
+            const float luminance = 0.2126f * reference->rgb[0][i] + 0.7152f * reference->rgb[1][i] +
+                                    0.0722f * reference->rgb[2][i];
+            luminances.push_back(luminance);
+            if (luminance > 0) positive.push_back(luminance);
+            largest = std::max(largest, static_cast<double>(luminance));
+        }
+    }
+    if (positive.empty()) return {};
+    const auto median = [](std::vector<float>& values) {
+        const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+        std::ranges::nth_element(values, middle);
+        return static_cast<double>(*middle);
+    };
+    double middle = median(luminances);
+    if (middle <= 0) middle = median(positive);
+    // 0.85 = (k0 x^2 + k1 x) / (k3 x^2 + k4 x + k5) of the tone curve.
+    const double a = 0.36 * (2.51 - 0.85 * 2.43), b = 0.6 * (0.03 - 0.85 * 0.59), c = -0.85 * 0.14;
+    const double x = (-b + std::sqrt(b * b - 4 * a * c)) / (2 * a);
+    Exposures exposures;
+    exposures.start = std::log2(x / largest);
+    exposures.stop = std::log2(x / middle);
+    exposures.count = static_cast<int>(std::max(2.0, std::ceil(exposures.stop - exposures.start)));
+    return exposures;
+}
+
+Flip flip_ldr(const Picture& picture, const Picture& reference, double pixels_per_degree) {
+    return largest_flip(picture, reference, {std::nullopt}, pixels_per_degree);
+}
+
+Flip flip_hdr(const Picture& picture, const Picture& reference, const Exposures& exposures,
+              double pixels_per_degree) {
+    assert(exposures.count >= 2);
+    std::vector<std::optional<double>> stops;
+    for (int i = 0; i < exposures.count; ++i) {
+        stops.emplace_back(exposures.start + i * (exposures.stop - exposures.start) / (exposures.count - 1));
+    }
+    return largest_flip(picture, reference, stops, pixels_per_degree);
+}
+
+}  // namespace dapple::metrics
