@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kText = 14;  // px from line to line
 constexpr Color kFrame{110, 112, 120}, kGrid{58, 59, 66}, kNumbers{176, 178, 186}, kCursor{255, 255, 255};
-constexpr double kLine = 1.6;  // px
+constexpr double kLine = 1.6, kDot = 3;  // px
 
 }  // namespace
 
@@ -75,7 +75,7 @@ void CanvasPlot::draw(Canvas& canvas) const {
             // The first after a gap is a dot, so that one alone can be seen.
             const auto& from = before != nullptr ? *before : point;
             canvas.line(x_(from.first), y_(from.second), x_(point.first), y_(point.second), colors_[i],
-                        kLine);
+                        before != nullptr ? kLine : kDot);
             before = &point;
         }
     }

@@ -49,7 +49,7 @@ TEST(CanvasPlot, GapsAreGapsAndALonePointIsADot) {
     CanvasPlot({.series = {{"", {{0, 1}, {1, nan}, {2, 1}}}}}, {kRed}, 0, 0, 300, 200).draw(gap);
     CanvasPlot({.series = {{"", {{0, 1}, {2, nan}}}}}, {kRed}, 0, 0, 300, 200).draw(dot);
     EXPECT_GT(reddish(whole), 100);
-    EXPECT_LT(reddish(gap), 20);
+    EXPECT_LT(reddish(gap), 40);
     EXPECT_GT(reddish(gap), reddish(dot));
     EXPECT_GT(reddish(dot), 0);
 }
