@@ -15,9 +15,6 @@ namespace {
 
 constexpr std::size_t kTilePixels = 1 << 14;
 
-/// ITU-R BT.709: what an EXR without chromaticities has.
-constexpr image::Chromaticities kRec709{{0.64f, 0.33f}, {0.30f, 0.60f}, {0.15f, 0.06f}, {0.3127f, 0.3290f}};
-
 glm::dvec3 xyz_of(glm::dvec2 xy) {
     return {xy.x / xy.y, 1, (1 - xy.x - xy.y) / xy.y};
 }
@@ -127,16 +124,18 @@ void exclude_together(Picture& a, Picture& b) {
 }
 
 void to_rec709(Picture& picture, const image::Image& image) {
-    const image::Chromaticities& primaries = primaries_of(image);
-    if (primaries == kRec709) return;
-    const glm::dmat3 matrix = glm::inverse(xyz_matrix(kRec709)) *
-                              adaptation(xyz_of(primaries.white), xyz_of(kRec709.white)) *
-                              xyz_matrix(primaries);
-    const glm::mat3 rec709_from_rgb(matrix);
+    change_primaries(picture, primaries_of(image), kRec709);
+}
+
+void change_primaries(Picture& picture, const image::Chromaticities& from, const image::Chromaticities& to) {
+    if (from == to) return;
+    const glm::dmat3 matrix =
+        glm::inverse(xyz_matrix(to)) * adaptation(xyz_of(from.white), xyz_of(to.white)) * xyz_matrix(from);
+    const glm::mat3 to_from_rgb(matrix);
     parallel_for(picture.pixels(), kTilePixels, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             const glm::vec3 turned =
-                rec709_from_rgb * glm::vec3(picture.rgb[0][i], picture.rgb[1][i], picture.rgb[2][i]);
+                to_from_rgb * glm::vec3(picture.rgb[0][i], picture.rgb[1][i], picture.rgb[2][i]);
             for (int c = 0; c < 3; ++c) picture.rgb[static_cast<std::size_t>(c)][i] = turned[c];
         }
     });

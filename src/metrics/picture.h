@@ -31,11 +31,17 @@ struct Picture {
 /// are.
 Picture picture_of(const image::Image& image, const std::string& layer, const std::string& name);
 
+/// ITU-R BT.709: what an EXR without chromaticities has.
+inline constexpr image::Chromaticities kRec709{
+    {0.64f, 0.33f}, {0.30f, 0.60f}, {0.15f, 0.06f}, {0.3127f, 0.3290f}};
+
 /// Both exclude what either does. The sizes must agree.
 void exclude_together(Picture& a, Picture& b);
 
 /// R, G, B of a picture of `image`'s primaries turned into linear Rec.709 (white adapted by Bradford's
 /// matrix), which FLIP wants. Values may become negative; luminance stays.
 void to_rec709(Picture& picture, const image::Image& image);
+/// The same between any primaries.
+void change_primaries(Picture& picture, const image::Chromaticities& from, const image::Chromaticities& to);
 
 }  // namespace dapple::metrics
