@@ -1,0 +1,177 @@
+#include "judge/bench_hard_cases.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+
+#include "base/error.h"
+#include "judge/bench_errors.h"
+#include "judge/bench_plan.h"
+#include "run/output_paths.h"
+#include "timeline/timeline.h"
+
+namespace dapple::judge {
+namespace {
+
+constexpr const char* kReference = "caustics={method: reference, standard_error: 0.05, most_rays: 30}";
+
+std::string percent(double share) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%+.2f %%", 100 * share);
+    return text;
+}
+
+std::string first_comment(const std::string& file) {
+    std::ifstream stream(file);
+    std::string line;
+    std::getline(stream, line);
+    if (!line.starts_with("#")) return "";
+    return line.substr(std::min(line.find_first_not_of("# "), line.size()));
+}
+
+/// A process of one method, and the frames it left.
+struct CaseRun {
+    std::string folder;
+    ProcessEnd end;
+    std::optional<run::Manifest> manifest;
+    std::vector<std::int64_t> frames;
+
+    std::size_t non_finite() const {
+        std::size_t sum = 0;
+        for (const auto& [number, frame] : manifest->frames) sum += frame.non_finite;
+        return sum;
+    }
+    /// The passes that were done partly, with their reasons.
+    std::string partly() const {
+        std::vector<std::string> reasons;
+        for (const auto& [number, frame] : manifest->frames)
+            for (const std::string& reason : frame.partly)
+                if (std::find(reasons.begin(), reasons.end(), reason) == reasons.end())
+                    reasons.push_back(reason);
+        std::string text;
+        for (const std::string& reason : reasons) text += (text.empty() ? "" : "; ") + reason;
+        return text;
+    }
+    run::OutputPaths paths() const { return {folder, manifest->clip.name}; }
+};
+
+/// Light that the stats of a clip name as lost on its way, W.
+double lost_in(const run::OutputPaths& paths) {
+    double lost = 0;
+    for (const auto& [number, frame] : read_frames(paths.stats()))
+        for (const auto& [name, amount] : frame.counts)
+            if (name.starts_with("lost ")) lost += amount;
+    return lost;
+}
+
+/// Verdict on a run that ended well, by a reference that did too.
+void compare(CaseVerdict& verdict, const CaseRun& run, const ErrorJudge& judge, double tolerance) {
+    const ClipErrors errors = judge.judge(run.paths()).errors;
+    verdict.energy = errors.energy;
+    verdict.l1 = errors.l1;
+    const std::string light = "light " + percent(errors.energy) + ", L1 " + percent(errors.l1).substr(1);
+    const std::string partly = run.partly();
+    if (std::abs(errors.energy) <= tolerance) {
+        verdict.verdict = CaseVerdict::Verdict::holds;
+        verdict.reason = light;
+    } else if (!partly.empty()) {
+        verdict.verdict = CaseVerdict::Verdict::named;
+        verdict.reason = light + "; the plan says: " + partly;
+    } else {
+        verdict.reason = light + ": more than " + percent(tolerance).substr(1) + ", and no plan says why";
+    }
+}
+
+}  // namespace
+
+std::string to_string(CaseVerdict::Verdict verdict) {
+    switch (verdict) {
+        case CaseVerdict::Verdict::holds:
+            return "holds";
+        case CaseVerdict::Verdict::named:
+            return "named";
+        case CaseVerdict::Verdict::fails:
+            break;
+    }
+    return "fails";
+}
+
+std::vector<std::string> hard_case_files(const std::string& folder) {
+    std::vector<std::string> files;
+    std::error_code fault;
+    for (const auto& entry : std::filesystem::directory_iterator(folder, fault))
+        if (entry.path().extension() == ".yaml") files.push_back(entry.path().string());
+    if (files.empty())
+        throw Error(ExitCode::usage, "--hard-cases " + folder + ": no folder of timelines (*.yaml)");
+    std::sort(files.begin(), files.end());
+    return files;
+}
+
+HardCase judge_hard_case(const std::string& timeline, const std::vector<std::string>& methods,
+                         const std::vector<std::string>& settings, const std::string& folder,
+                         Renderings& renderings) {
+    HardCase result;
+    result.name = std::filesystem::path(timeline).stem().string();
+    result.description = first_comment(timeline);
+    const auto run = [&](const std::string& method) {
+        CaseRun made;
+        made.folder = folder + "/" + method;
+        std::vector<std::string> overrides = overrides_for(method, "", settings);
+        if (method == "reference") overrides.front() = kReference;
+        made.end =
+            renderings.render(result.name + ", " + method, timeline, overrides, {}, made.folder, false);
+        if (made.end.done()) made.manifest = run::read_manifest(made.folder + "/manifest.json");
+        if (made.manifest)
+            for (const auto& [number, frame] : made.manifest->frames) made.frames.push_back(number);
+        return made;
+    };
+
+    const CaseRun reference = run("reference");
+    if (renderings.interrupted()) return result;
+    std::optional<ErrorJudge> judge;
+    double tolerance = kEnergyTolerance;
+    if (reference.manifest) {
+        judge.emplace(reference.paths(), reference.frames, "E",
+                      timeline::Timeline::load(timeline, settings).clip().samples);
+        const double noise = judge->noise().rmse.value_or(0);
+        const double pixels = static_cast<double>(reference.manifest->clip.width) *
+                              reference.manifest->clip.height * static_cast<double>(reference.frames.size());
+        tolerance += 3 * noise / std::sqrt(pixels);
+        result.reference =
+            judge->noise().mean > 0 ? "noise " + percent(noise).substr(1) + " a pixel" : "dark";
+    } else {
+        result.reference = reference.end.error;
+    }
+    for (const std::string& method : methods) {
+        const CaseRun made = run(method);
+        if (renderings.interrupted()) return result;
+        CaseVerdict verdict;
+        verdict.method = method;
+        verdict.exit_code = made.end.exit_code;
+        verdict.wall_s = made.end.wall_s;
+        if (!made.manifest) {
+            const bool input = made.end.exit_code == static_cast<int>(ExitCode::timeline_invalid) ||
+                               made.end.exit_code == static_cast<int>(ExitCode::input_unreadable);
+            const bool alike = made.end.signal == 0 && input && made.end.exit_code == reference.end.exit_code;
+            if (alike) verdict.verdict = CaseVerdict::Verdict::holds;
+            verdict.reason = (alike ? "refused by all, exit " : "exit ") +
+                             std::to_string(made.end.exit_code) + ": " + made.end.error;
+        } else {
+            verdict.lost = lost_in(made.paths());
+            verdict.non_finite = made.non_finite();
+            if (verdict.non_finite > 0) {
+                verdict.reason = std::to_string(verdict.non_finite) + " values were NaN or infinite";
+            } else if (judge) {
+                compare(verdict, made, *judge, tolerance);
+            } else {
+                verdict.reason = "no reference: " + result.reference;
+            }
+        }
+        result.verdicts.push_back(std::move(verdict));
+    }
+    return result;
+}
+
+}  // namespace dapple::judge

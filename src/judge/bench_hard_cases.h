@@ -1,0 +1,49 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "judge/bench_runs.h"
+
+namespace dapple::judge {
+
+/// How a method did in a hard case.
+struct CaseVerdict {
+    enum class Verdict {
+        holds,  ///< whole, finite, and its light is the reference's
+        named,  ///< whole and finite; other light than the reference's, for a reason that the plan states
+        fails,
+    };
+    std::string method;
+    Verdict verdict = Verdict::fails;
+    std::string reason;  ///< one line, with its number
+    int exit_code = 0;
+    std::size_t non_finite = 0;  ///< values
+    double energy = 0;           ///< light of E over the picture less the reference's, a share
+    double l1 = 0;               ///< relative, over pixels that both cover
+    double lost = 0;             ///< W that the stats name as lost on the way
+    double wall_s = 0;           ///< of the process
+};
+
+std::string to_string(CaseVerdict::Verdict verdict);
+
+struct HardCase {
+    std::string name;         ///< of the file
+    std::string description;  ///< the comment in its first line
+    std::string reference;    ///< what the reference did: its noise, or why it did not
+    std::vector<CaseVerdict> verdicts;
+};
+
+/// The timelines (*.yaml) of a folder, sorted. Throws Error(usage) where there is none.
+std::vector<std::string> hard_case_files(const std::string& folder);
+
+/// Renders one case by the reference (to 5 %, or 30 million rays a light) and each method into
+/// FOLDER/METHOD, and judges them. Fewer verdicts where it is interrupted. `settings`: "path=value" for
+/// all, those of the caustics for methods that know them.
+HardCase judge_hard_case(const std::string& timeline, const std::vector<std::string>& methods,
+                         const std::vector<std::string>& settings, const std::string& folder,
+                         Renderings& renderings);
+
+/// Light that a method may lose or gain against the reference: 1 %, beside three standard errors of the sum.
+inline constexpr double kEnergyTolerance = 0.01;
+
+}  // namespace dapple::judge

@@ -1,0 +1,306 @@
+#include "judge/bench_report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "report/canvas.h"
+#include "report/heat_map.h"
+#include "report/html_page.h"
+#include "report/plot.h"
+#include "run/memory_budget.h"
+
+namespace dapple::judge {
+namespace {
+
+using report::HtmlPage;
+using Cell = HtmlPage::Cell;
+using Tone = HtmlPage::Tone;
+
+/// Heat maps: error that is shown as the brightest, over the reference's mean.
+constexpr double kFullError = 0.2;
+
+std::string text_of(const char* format, double value) {
+    char text[48];
+    std::snprintf(text, sizeof text, format, value);
+    return text;
+}
+std::string percent(double share) {
+    return text_of("%.2f", 100 * share);
+}
+std::string seconds(const Spread& spread) {
+    return text_of("%.3f", spread.median) + " (" + text_of("%.3f", spread.least) + "–" +
+           text_of("%.3f", spread.most) + ")";
+}
+
+std::vector<const RungResult*> rungs_of(const BenchResult& result, std::size_t ladder) {
+    std::vector<const RungResult*> rungs;
+    for (const RungResult& rung : result.rungs)
+        if (rung.rung.ladder == ladder && rung.failure.empty()) rungs.push_back(&rung);
+    return rungs;
+}
+
+using ErrorMember = double ClipErrors::*;
+using TimeMember = Spread Timing::*;
+
+std::vector<std::pair<double, double>> points_of(const BenchResult& result, std::size_t ladder,
+                                                 TimeMember time, ErrorMember error) {
+    std::vector<std::pair<double, double>> points;
+    for (const RungResult* rung : rungs_of(result, ladder))
+        points.emplace_back((rung->timing.*time).median, rung->judged.errors.*error);
+    std::sort(points.begin(), points.end());
+    return points;
+}
+
+void add_plot(HtmlPage& page, const BenchResult& result, const char* title, const char* x_label,
+              TimeMember time, ErrorMember error, const std::optional<double>& noise) {
+    report::Plot plot{.title = title, .x_label = x_label, .y_label = "share of the mean"};
+    plot.log_x = plot.log_y = true;
+    for (std::size_t i = 0; i < result.ladders.size(); ++i)
+        plot.series.push_back({result.ladders[i].name(), points_of(result, i, time, error), true, true});
+    if (noise && *noise > 0) plot.limits.emplace_back(*noise, "the reference's noise");
+    page.plot(report::svg(plot));
+}
+
+void add_errors(HtmlPage& page, const BenchResult& result) {
+    page.heading("Errors");
+    std::vector<std::vector<Cell>> rows;
+    for (const RungResult& rung : result.rungs) {
+        if (!rung.failure.empty()) {
+            rows.push_back({{rung.rung.name}, {rung.failure, Tone::bad}});
+            continue;
+        }
+        const ClipErrors& e = rung.judged.errors;
+        rows.push_back({{rung.rung.name},
+                        {percent(e.l1)},
+                        {percent(e.l1_inside)},
+                        {percent(e.rmse)},
+                        {percent(e.rmse_less_noise)},
+                        {percent(e.block_rmse_less_noise)},
+                        {percent(e.bias)},
+                        {percent(e.energy)},
+                        {text_of("%.4f", e.flip)},
+                        {e.flicker ? text_of("%.2e", *e.flicker) : "–"},
+                        {e.flicker_less_noise ? text_of("%.2e", *e.flicker_less_noise) : "–"},
+                        {text_of("%.1f", 100 * e.compared)}});
+    }
+    page.table({"run", "L1 %", "L1 inside %", "RMSE %", "less noise %", "4×4 less noise %", "bias %",
+                "energy %", "HDR-FLIP", "flicker", "less noise", "compared %"},
+               rows);
+    for (const std::string& definition : bench_definitions(result)) page.paragraph(definition);
+}
+
+void add_times(HtmlPage& page, const BenchResult& result) {
+    page.heading("Times");
+    std::vector<std::vector<Cell>> rows;
+    for (const RungResult& rung : result.rungs) {
+        if (!rung.failure.empty()) continue;
+        const Timing& t = rung.timing;
+        rows.push_back({{rung.rung.name},
+                        {seconds(t.wall_s)},
+                        {seconds(t.cpu_s)},
+                        {text_of("%.3f", t.warm_up_s)},
+                        {text_of("%.3f", t.start_up_s)},
+                        {run::format_bytes(t.peak_memory)},
+                        {std::to_string(rung.repeats)},
+                        {t.same_bits ? "same bits" : "other bits", t.same_bits ? Tone::good : Tone::bad}});
+    }
+    page.table({"run", "wall s a frame", "CPU s a frame", "warm-up s", "start-up s", "peak memory", "repeats",
+                "their pictures"},
+               rows);
+    page.paragraph(
+        "Medians over repeats, mean over frames, without writing the files; in brackets the same times the "
+        "least "
+        "and the largest ratio of one frame of one repeat to its median. Each repeat is a process of its own "
+        "that "
+        "renders one frame more before the others: warm-up is what that one took beyond them (shaders among "
+        "it), "
+        "start-up the process outside its frames. Repeats of all runs take turns.");
+
+    std::vector<std::vector<Cell>> errors;
+    for (std::size_t i = 0; i < result.ladders.size(); ++i) {
+        std::vector<Cell> row = {{result.ladders[i].name()}};
+        for (const double error : kErrorsOfInterest) row.push_back({to_string(time_to_l1(result, i, error))});
+        for (const double error : kErrorsOfInterest)
+            row.push_back({to_string(time_to_rmse(result, i, error))});
+        errors.push_back(row);
+    }
+    page.heading("Time to an error");
+    page.table({"wall s a frame", "L1 inside 5 %", "2 %", "1 %", "RMSE less noise 5 %", "2 %", "1 %"},
+               errors);
+    page.paragraph(
+        "Along straight lines in log(time), log(error) between neighbouring rungs; “≤” where the cheapest "
+        "rung is "
+        "there already.");
+}
+
+void add_passes(HtmlPage& page, const BenchResult& result) {
+    page.heading("Passes");
+    for (std::size_t i = 0; i < result.ladders.size(); ++i) {
+        const auto rungs = rungs_of(result, i);
+        if (rungs.empty()) continue;
+        std::vector<std::string> header = {result.ladders[i].name() + ": wall; CPU ms"};
+        std::vector<std::string> names;
+        for (const RungResult* rung : rungs) {
+            header.push_back(rung->rung.value.empty() ? "as it is" : rung->rung.value);
+            for (const Timing::Pass& pass : rung->timing.passes)
+                if (std::find(names.begin(), names.end(), pass.name) == names.end())
+                    names.push_back(pass.name);
+        }
+        std::vector<std::vector<Cell>> rows;
+        for (const std::string& name : names) {
+            std::vector<Cell> row = {{name}};
+            for (const RungResult* rung : rungs) {
+                const auto& passes = rung->timing.passes;
+                const auto pass = std::find_if(passes.begin(), passes.end(),
+                                               [&](const Timing::Pass& p) { return p.name == name; });
+                row.push_back({pass == passes.end() ? "–"
+                                                    : text_of("%.1f", 1e3 * pass->wall_s.median) + "; " +
+                                                          text_of("%.1f", 1e3 * pass->cpu_s.median)});
+            }
+            rows.push_back(row);
+        }
+        page.table(header, rows);
+    }
+}
+
+void add_maps(HtmlPage& page, const BenchResult& result) {
+    page.heading("Where the error is");
+    report::Canvas scale(420, 54, {255, 255, 255});
+    report::draw_scale(scale, 8, 4, 400, 46, kFullError, "|difference of luminance| / mean of the reference");
+    page.picture(scale.width(), scale.height(), scale.rgb(), "the scale of all maps");
+    for (const RungResult& rung : result.rungs) {
+        if (!rung.failure.empty()) continue;
+        const ErrorMap& map = rung.judged.map;
+        page.picture(map.width, map.height, report::heat_map(map.values, kFullError),
+                     rung.rung.name + ", frame " + std::to_string(map.frame));
+    }
+    page.paragraph("Magenta: not compared.");
+}
+
+void add_notes(HtmlPage& page, const BenchResult& result) {
+    page.heading("What was done partly");
+    std::vector<std::vector<Cell>> rows;
+    const auto add = [&](const std::string& name, const std::vector<std::string>& reasons) {
+        for (const std::string& reason : reasons) rows.push_back({{name}, {reason}});
+    };
+    add("reference", result.reference->partly);
+    for (std::size_t i = 0; i < result.ladders.size(); ++i) {
+        const auto rungs = rungs_of(result, i);
+        if (!rungs.empty()) add(result.ladders[i].name(), rungs.front()->partly);
+    }
+    if (rows.empty())
+        page.paragraph("Nothing: the plans of all runs are whole.");
+    else
+        page.table({"run", "plan"}, rows);
+}
+
+void add_hard_cases(HtmlPage& page, const BenchResult& result) {
+    page.heading("Hard cases");
+    std::vector<std::vector<Cell>> rows;
+    for (const HardCase& hard : result.hard_cases) {
+        for (const CaseVerdict& verdict : hard.verdicts) {
+            const Tone tone = verdict.verdict == CaseVerdict::Verdict::holds   ? Tone::good
+                              : verdict.verdict == CaseVerdict::Verdict::named ? Tone::plain
+                                                                               : Tone::bad;
+            rows.push_back({{hard.name + ": " + hard.description},
+                            {verdict.method},
+                            {to_string(verdict.verdict), tone},
+                            {verdict.reason},
+                            {text_of("%.3g", verdict.lost)},
+                            {text_of("%.1f", verdict.wall_s)},
+                            {hard.reference}});
+        }
+    }
+    page.table({"case", "method", "verdict", "why", "lost by name, W", "s", "reference"}, rows);
+    page.paragraph(
+        "A case holds where the process ends well, no value is NaN or infinite, and the light of E over "
+        "the picture is the reference's within " +
+        percent(kEnergyTolerance) +
+        " % and three standard errors of the reference; or where the input is refused by all, the "
+        "reference too. “Named”: its light is another, and the plan says why.");
+}
+
+}  // namespace
+
+TimeToError time_to_l1(const BenchResult& result, std::size_t ladder, double error) {
+    return time_to_error(points_of(result, ladder, &Timing::wall_s, &ClipErrors::l1_inside), error);
+}
+
+TimeToError time_to_rmse(const BenchResult& result, std::size_t ladder, double error) {
+    return time_to_error(points_of(result, ladder, &Timing::wall_s, &ClipErrors::rmse_less_noise), error);
+}
+
+std::string to_string(const TimeToError& time) {
+    if (time.state == TimeToError::State::not_reached) return "not reached";
+    return (time.state == TimeToError::State::by_first ? "<= " : "") + text_of("%.3f s", time.seconds);
+}
+
+std::vector<std::string> bench_definitions(const BenchResult& result) {
+    std::vector<std::string> texts = {
+        "Over the pixels that a run and the reference cover by the same share of their samples, all frames "
+        "and three "
+        "channels, as shares of the reference's mean there. “Inside”: pixels whose eight neighbours show the "
+        "same "
+        "surface, turned by 20° at most; at edges between objects a footprint is that of one of them. 4×4: "
+        "RMSE of "
+        "means over blocks. Energy: luminance of the layer over the whole picture, by its coverage, less the "
+        "reference's.",
+        "HDR-FLIP: of R, G, B, mean over pixels and frames, exposures " +
+            text_of("%.2f", result.exposures.start) + " to " + text_of("%.2f", result.exposures.stop) +
+            " stops in " + std::to_string(result.exposures.count) +
+            " steps, from at most eight frames of the reference.",
+        "Flicker: mean over pixels and frames of (D(t) − (D(t−1) + D(t+1)) / 2)², D the difference of "
+        "luminance, over "
+        "the squared mean; none without three consecutive frames."};
+    const ReferenceNoise& noise = result.reference->noise;
+    if (noise.rmse) {
+        texts.push_back("The reference's own noise is " + percent(*noise.rmse) +
+                        " % (RMSE of luminance) and about " + percent(*noise.l1) +
+                        " % (L1, were it normally distributed). “Less noise”: its mean variance, that of "
+                        "sample 0 over the number of "
+                        "samples, is taken off squared errors; 1/16 of it off those of 4×4 blocks and 3/2 of "
+                        "it off flicker, as if "
+                        "pixels and frames were independent. L1 and FLIP are with the noise.");
+    } else {
+        texts.push_back("The reference's own noise in this layer is not known; nothing is taken off.");
+    }
+    return texts;
+}
+
+std::string bench_html(const BenchResult& result) {
+    HtmlPage page("Bench of " + (result.timeline.empty() ? "hard cases" : result.timeline));
+    if (result.reference) {
+        const ReferenceResult& r = *result.reference;
+        page.paragraph("Frames " + result.frames + ", " + std::to_string(result.width) + " × " +
+                       std::to_string(result.height) + ", " + std::to_string(result.samples) +
+                       " samples a pixel; layer " + (result.layer.empty() ? "R, G, B" : result.layer) +
+                       ". The reference took " + text_of("%.1f", r.wall_s) + " s (" +
+                       text_of("%.1f", r.cpu_s) + " CPU s) a frame to a standard error of " +
+                       percent(r.standard_error) + " %.");
+        for (const RungResult& rung : result.rungs)
+            if (!rung.failure.empty()) page.verdict(rung.rung.name + ": " + rung.failure, Tone::bad);
+        page.heading("Error over time");
+        const auto& noise = r.noise;
+        add_plot(page, result, "Relative L1 inside surfaces", "wall s a frame", &Timing::wall_s,
+                 &ClipErrors::l1_inside, noise.l1);
+        add_plot(page, result, "Relative RMSE, less the reference's noise", "wall s a frame", &Timing::wall_s,
+                 &ClipErrors::rmse_less_noise, noise.rmse);
+        add_plot(page, result, "Relative L1 inside surfaces", "CPU s a frame", &Timing::cpu_s,
+                 &ClipErrors::l1_inside, noise.l1);
+        add_times(page, result);
+        add_errors(page, result);
+        add_maps(page, result);
+        add_passes(page, result);
+        add_notes(page, result);
+    }
+    if (!result.hard_cases.empty()) add_hard_cases(page, result);
+    page.heading("Made with");
+    std::vector<std::vector<Cell>> rows;
+    for (const auto& [name, text] : result.provenance) rows.push_back({{name}, {text}});
+    page.table({"what", "which"}, rows);
+    page.data(bench_json(result));
+    return page.html();
+}
+
+}  // namespace dapple::judge

@@ -1,0 +1,65 @@
+#pragma once
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "judge/bench_errors.h"
+#include "judge/bench_hard_cases.h"
+#include "judge/bench_plan.h"
+#include "judge/bench_timing.h"
+#include "run/job.h"
+
+namespace dapple::judge {
+
+/// One rung, rendered and judged.
+struct RungResult {
+    Rung rung;
+    std::string failure;  ///< why there is nothing below; empty where there is
+    Timing timing;
+    std::size_t repeats = 0;
+    ErrorJudge::Judged judged;
+    std::vector<std::string> partly;  ///< what the plan did partly, with the reason
+};
+
+struct ReferenceResult {
+    std::string folder, job;
+    ReferenceNoise noise;
+    double wall_s = 0;  ///< a frame, with its writing
+    double cpu_s = 0;
+    double standard_error = 0;  ///< largest of the frames, as the method says it
+    std::vector<std::string> partly;
+};
+
+/// All that a bench found.
+struct BenchResult {
+    std::string timeline, frames, layer;
+    int width = 0, height = 0, samples = 0;
+    std::vector<Ladder> ladders;
+    std::vector<RungResult> rungs;
+    std::optional<ReferenceResult> reference;  ///< none where only hard cases were asked for
+    metrics::Exposures exposures;              ///< of HDR-FLIP
+    std::vector<HardCase> hard_cases;
+    run::NamedTexts provenance;
+};
+
+/// The errors whose time is told, and what they are of.
+inline constexpr double kErrorsOfInterest[] = {0.05, 0.02, 0.01};
+
+/// Time to an error, of the rungs of a ladder: wall seconds a frame by relative L1 inside surfaces, and by
+/// RMSE less the reference's noise.
+TimeToError time_to_l1(const BenchResult& result, std::size_t ladder, double error);
+TimeToError time_to_rmse(const BenchResult& result, std::size_t ladder, double error);
+/// "0.21 s", "<= 0.2 s", "not reached".
+std::string to_string(const TimeToError& time);
+
+std::string bench_csv(const BenchResult& result);
+std::string bench_json(const BenchResult& result);
+std::string bench_html(const BenchResult& result);
+/// The table for a terminal.
+std::string bench_text(const BenchResult& result);
+
+/// How the figures are defined, a sentence each.
+std::vector<std::string> bench_definitions(const BenchResult& result);
+
+}  // namespace dapple::judge

@@ -1,0 +1,277 @@
+// The figures of a bench as CSV, JSON and text.
+#include <algorithm>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "judge/bench_report.h"
+
+namespace dapple::judge {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string number(double value) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.6g", value);
+    return text;
+}
+
+std::string number(const std::optional<double>& value) {
+    return value ? number(*value) : "";
+}
+
+/// RFC 4180.
+std::string quoted(const std::string& text) {
+    std::string safe = "\"";
+    for (const char c : text) safe += c == '"' ? "\"\"" : std::string(1, c);
+    return safe + "\"";
+}
+
+Json to_json(const std::optional<double>& value) {
+    return value ? Json(*value) : Json(nullptr);
+}
+
+Json to_json(const Spread& spread) {
+    return {{"median", spread.median}, {"least", spread.least}, {"most", spread.most}};
+}
+
+Json to_json(const Timing& timing) {
+    Json passes = Json::array();
+    for (const Timing::Pass& pass : timing.passes)
+        passes.push_back(
+            {{"name", pass.name}, {"wall_s", to_json(pass.wall_s)}, {"cpu_s", to_json(pass.cpu_s)}});
+    return {{"wall_s", to_json(timing.wall_s)},  {"cpu_s", to_json(timing.cpu_s)},
+            {"warm_up_s", timing.warm_up_s},     {"start_up_s", timing.start_up_s},
+            {"peak_memory", timing.peak_memory}, {"passes", passes}};
+}
+
+Json to_json(const ClipErrors& errors) {
+    return {{"l1", errors.l1},
+            {"l1_inside", errors.l1_inside},
+            {"rmse", errors.rmse},
+            {"rmse_less_noise", errors.rmse_less_noise},
+            {"block_rmse", errors.block_rmse},
+            {"block_rmse_less_noise", errors.block_rmse_less_noise},
+            {"bias", errors.bias},
+            {"energy", errors.energy},
+            {"flip", errors.flip},
+            {"flicker", to_json(errors.flicker)},
+            {"flicker_less_noise", to_json(errors.flicker_less_noise)},
+            {"compared", errors.compared},
+            {"inside", errors.inside}};
+}
+
+Json to_json(const TimeToError& time) {
+    const char* state = time.state == TimeToError::State::reached    ? "reached"
+                        : time.state == TimeToError::State::by_first ? "by_first"
+                                                                     : "not_reached";
+    return {{"state", state},
+            {"wall_s", time.state == TimeToError::State::not_reached ? Json(nullptr) : Json(time.seconds)}};
+}
+
+Json to_json(const RungResult& result, const BenchResult& all) {
+    const Ladder& ladder = all.ladders[result.rung.ladder];
+    Json json = {{"name", result.rung.name},
+                 {"method", ladder.method},
+                 {"key", ladder.key},
+                 {"value", result.rung.value},
+                 {"overrides", result.rung.overrides}};
+    if (!result.failure.empty()) {
+        json["failure"] = result.failure;
+        return json;
+    }
+    json["repeats"] = result.repeats;
+    json["same_bits"] = result.timing.same_bits;
+    json["non_finite"] = result.timing.non_finite;
+    json["partly"] = result.partly;
+    json["timing"] = to_json(result.timing);
+    json["errors"] = to_json(result.judged.errors);
+    return json;
+}
+
+Json to_json(const HardCase& hard) {
+    Json verdicts = Json::array();
+    for (const CaseVerdict& verdict : hard.verdicts) {
+        verdicts.push_back({{"method", verdict.method},
+                            {"verdict", to_string(verdict.verdict)},
+                            {"reason", verdict.reason},
+                            {"exit_code", verdict.exit_code},
+                            {"non_finite", verdict.non_finite},
+                            {"energy", verdict.energy},
+                            {"l1", verdict.l1},
+                            {"lost_w", verdict.lost},
+                            {"wall_s", verdict.wall_s}});
+    }
+    return {{"name", hard.name},
+            {"description", hard.description},
+            {"reference", hard.reference},
+            {"verdicts", verdicts}};
+}
+
+/// Columns of the text table; all but the first stand at the right.
+using Row = std::vector<std::string>;
+
+std::string aligned(const std::vector<Row>& rows) {
+    std::vector<std::size_t> widths;
+    for (const Row& row : rows) {
+        widths.resize(std::max(widths.size(), row.size()));
+        for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
+    }
+    std::string text;
+    for (const Row& row : rows) {
+        for (std::size_t i = 0; i < row.size(); ++i) {
+            const std::string space(widths[i] - row[i].size() + (i == 0 ? 0 : 2), ' ');
+            text += i == 0 ? row[i] + space : space + row[i];
+        }
+        while (!text.empty() && text.back() == ' ') text.pop_back();
+        text += "\n";
+    }
+    return text;
+}
+
+std::string short_text(const char* format, double value) {
+    char text[48];
+    std::snprintf(text, sizeof text, format, value);
+    return text;
+}
+
+std::string percent(double share) {
+    return short_text("%.2f", 100 * share);
+}
+
+}  // namespace
+
+std::string bench_csv(const BenchResult& result) {
+    std::string text =
+        "run,method,key,value,wall_s,wall_least_s,wall_most_s,cpu_s,cpu_least_s,cpu_most_s,warm_up_s,start_"
+        "up_s,"
+        "peak_memory,repeats,same_bits,l1,l1_inside,rmse,rmse_less_noise,block_rmse,block_rmse_less_noise,"
+        "bias,"
+        "energy,flip,flicker,flicker_less_noise,compared,non_finite,failure\n";
+    for (const RungResult& rung : result.rungs) {
+        const Ladder& ladder = result.ladders[rung.rung.ladder];
+        text += quoted(rung.rung.name) + "," + ladder.method + "," + quoted(ladder.key) + "," +
+                quoted(rung.rung.value);
+        if (!rung.failure.empty()) {
+            text += std::string(25, ',') + quoted(rung.failure) + "\n";
+            continue;
+        }
+        const Timing& t = rung.timing;
+        const ClipErrors& e = rung.judged.errors;
+        for (const Spread& spread : {t.wall_s, t.cpu_s})
+            text += "," + number(spread.median) + "," + number(spread.least) + "," + number(spread.most);
+        text += "," + number(t.warm_up_s) + "," + number(t.start_up_s) + "," +
+                short_text("%.0f", t.peak_memory) + "," + std::to_string(rung.repeats) + "," +
+                (t.same_bits ? "1" : "0");
+        for (const double value : {e.l1, e.l1_inside, e.rmse, e.rmse_less_noise, e.block_rmse,
+                                   e.block_rmse_less_noise, e.bias, e.energy, e.flip})
+            text += "," + number(value);
+        text += "," + number(e.flicker) + "," + number(e.flicker_less_noise) + "," + number(e.compared) +
+                "," + std::to_string(t.non_finite) + ",\n";
+    }
+    return text;
+}
+
+std::string bench_json(const BenchResult& result) {
+    Json json = {{"format", 1}};
+    Json provenance = Json::object();
+    for (const auto& [name, text] : result.provenance) provenance[name] = text;
+    json["provenance"] = provenance;
+    if (result.reference) {
+        const ReferenceResult& r = *result.reference;
+        json["timeline"] = result.timeline;
+        json["frames"] = result.frames;
+        json["layer"] = result.layer;
+        json["size"] = {result.width, result.height};
+        json["samples"] = result.samples;
+        json["definitions"] = bench_definitions(result);
+        json["reference"] = {{"job", r.job},
+                             {"folder", r.folder},
+                             {"mean", r.noise.mean},
+                             {"noise_rmse", to_json(r.noise.rmse)},
+                             {"noise_l1", to_json(r.noise.l1)},
+                             {"standard_error", r.standard_error},
+                             {"wall_s", r.wall_s},
+                             {"cpu_s", r.cpu_s},
+                             {"partly", r.partly}};
+        json["exposures"] = {{"start", result.exposures.start},
+                             {"stop", result.exposures.stop},
+                             {"count", result.exposures.count}};
+        Json ladders = Json::array(), rungs = Json::array();
+        for (std::size_t i = 0; i < result.ladders.size(); ++i) {
+            Json times = Json::array();
+            for (const double error : kErrorsOfInterest)
+                times.push_back({{"error", error},
+                                 {"l1_inside", to_json(time_to_l1(result, i, error))},
+                                 {"rmse_less_noise", to_json(time_to_rmse(result, i, error))}});
+            ladders.push_back({{"method", result.ladders[i].method},
+                               {"key", result.ladders[i].key},
+                               {"values", result.ladders[i].values},
+                               {"time_to_error", times}});
+        }
+        for (const RungResult& rung : result.rungs) rungs.push_back(to_json(rung, result));
+        json["ladders"] = ladders;
+        json["runs"] = rungs;
+    }
+    if (!result.hard_cases.empty()) {
+        Json cases = Json::array();
+        for (const HardCase& hard : result.hard_cases) cases.push_back(to_json(hard));
+        json["hard_cases"] = cases;
+    }
+    return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string bench_text(const BenchResult& result) {
+    std::string text;
+    if (result.reference) {
+        std::vector<Row> rows = {{"run", "s a frame", "least", "most", "CPU s", "MiB", "L1 %", "inside %",
+                                  "RMSE %", "4x4 %", "bias %", "energy %", "FLIP", "flicker"}};
+        for (const RungResult& rung : result.rungs) {
+            if (!rung.failure.empty()) {
+                rows.push_back({rung.rung.name, "failed"});
+                continue;
+            }
+            const Timing& t = rung.timing;
+            const ClipErrors& e = rung.judged.errors;
+            rows.push_back({rung.rung.name, short_text("%.3f", t.wall_s.median),
+                            short_text("%.3f", t.wall_s.least), short_text("%.3f", t.wall_s.most),
+                            short_text("%.3f", t.cpu_s.median), short_text("%.0f", t.peak_memory / (1 << 20)),
+                            percent(e.l1), percent(e.l1_inside), percent(e.rmse_less_noise),
+                            percent(e.block_rmse_less_noise), percent(e.bias), percent(e.energy),
+                            short_text("%.4f", e.flip),
+                            e.flicker ? short_text("%.2e", e.flicker_less_noise.value_or(*e.flicker)) : "-"});
+        }
+        text += aligned(rows);
+        const ReferenceNoise& noise = result.reference->noise;
+        if (noise.rmse)
+            text += "reference: noise " + percent(*noise.rmse) + " % (RMSE), " + percent(*noise.l1) +
+                    " % (L1); " + short_text("%.1f s a frame\n", result.reference->wall_s);
+        rows = {{"wall s a frame to", "L1 5 %", "2 %", "1 %", "RMSE 5 %", "2 %", "1 %"}};
+        for (std::size_t i = 0; i < result.ladders.size(); ++i) {
+            Row row = {result.ladders[i].name()};
+            for (const double error : kErrorsOfInterest)
+                row.push_back(to_string(time_to_l1(result, i, error)));
+            for (const double error : kErrorsOfInterest)
+                row.push_back(to_string(time_to_rmse(result, i, error)));
+            rows.push_back(row);
+        }
+        text += "\n" + aligned(rows);
+    }
+    std::size_t verdicts = 0, counts[3] = {};
+    for (const HardCase& hard : result.hard_cases) {
+        for (const CaseVerdict& verdict : hard.verdicts) {
+            ++verdicts;
+            ++counts[static_cast<int>(verdict.verdict)];
+        }
+    }
+    if (verdicts > 0) {
+        text += (text.empty() ? "" : "\n") + std::to_string(result.hard_cases.size()) + " hard cases, " +
+                std::to_string(verdicts) + " verdicts: " + std::to_string(counts[0]) + " hold, " +
+                std::to_string(counts[1]) + " differ as the plan says, " + std::to_string(counts[2]) +
+                " fail\n";
+    }
+    while (!text.empty() && text.back() == '\n') text.pop_back();
+    return text;
+}
+
+}  // namespace dapple::judge
