@@ -1,6 +1,7 @@
 #include "metrics/flip_kernels.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <numbers>
 
@@ -16,13 +17,18 @@ double sum(const Weights& weights) {
     return weights[0] + 2 * sides;
 }
 
-/// Times `factor`; weights at the end that change no sum in float are dropped.
+/// Times `factor`.
 std::vector<float> scaled(const Weights& weights, double factor) {
-    std::size_t size = weights.size();
-    while (size > 1 && std::abs(weights[size - 1] * factor) < 1e-9) --size;
-    std::vector<float> result(size);
-    for (std::size_t k = 0; k < size; ++k) result[k] = static_cast<float>(weights[k] * factor);
+    std::vector<float> result(weights.size());
+    std::ranges::transform(weights, result.begin(),
+                           [&](double weight) { return static_cast<float>(weight * factor); });
     return result;
+}
+
+/// Without the weights at the end that change no sum in float.
+std::vector<float> cut(std::vector<float> weights) {
+    while (weights.size() > 1 && weights.back() < 2e-8f) weights.pop_back();
+    return weights;
 }
 
 /// The factor along one axis of a sqrt(pi / b) exp(-pi^2 d^2 / b), d in degrees.
@@ -47,10 +53,10 @@ void set_sensitivity(FlipKernels& kernels, double pixels_per_degree) {
     const Weights wide = sensitivity(kWideHeight, kWide, pixels_per_degree, radius);
     const Weights narrow = sensitivity(kNarrowHeight, kNarrow, pixels_per_degree, radius);
     const double plane = std::hypot(sum(wide), sum(narrow));  // root of the sum of both over the plane
-    kernels.luminance = scaled(luminance, 1 / sum(luminance));
-    kernels.red_green = scaled(red_green, 1 / sum(red_green));
-    kernels.blue_yellow_wide = scaled(wide, 1 / plane);
-    kernels.blue_yellow_narrow = scaled(narrow, 1 / plane);
+    kernels.luminance = cut(scaled(luminance, 1 / sum(luminance)));
+    kernels.red_green = cut(scaled(red_green, 1 / sum(red_green)));
+    kernels.blue_yellow_wide = cut(scaled(wide, 1 / plane));
+    kernels.blue_yellow_narrow = cut(scaled(narrow, 1 / plane));
     kernels.radius = std::max(kernels.radius, radius);
 }
 
@@ -78,6 +84,7 @@ void set_features(FlipKernels& kernels, double pixels_per_degree) {
 }  // namespace
 
 FlipKernels flip_kernels(double pixels_per_degree) {
+    assert(pixels_per_degree >= 1);
     FlipKernels kernels;
     set_sensitivity(kernels, pixels_per_degree);
     set_features(kernels, pixels_per_degree);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "metrics/flip_filters.h"
 #include "metrics/lane_math.h"
 
 namespace dapple::metrics {
@@ -77,8 +78,12 @@ Floats compressed(Floats t) {
     return where_greater(t, all(kDelta * kDelta * kDelta), cube_root(maximum(t, all(FLT_MIN))), line);
 }
 
+Floats length(Floats x, Floats y) {
+    return square_root(fma(x, x, y * y));
+}
+
 std::size_t padded(std::size_t count) {
-    return (count + kFloatLanes - 1) / kFloatLanes * kFloatLanes;
+    return (count + kFilterBlock - 1) / kFilterBlock * kFilterBlock;
 }
 
 /// First `count` of eight floats, the last repeated.
@@ -89,24 +94,6 @@ Floats load_some(const float* values, std::size_t count) {
     return load(lanes);
 }
 
-/// Sum over distances k of weights[k] times the values at both sides.
-Floats symmetric_sum(const float* values, const std::vector<float>& weights) {
-    Floats total = all(weights[0]) * load(values);
-    for (std::size_t k = 1; k < weights.size(); ++k) {
-        total = fma(all(weights[k]), load(values - k) + load(values + k), total);
-    }
-    return total;
-}
-
-Floats symmetric_sum(const float* const* rows, std::size_t x, const std::vector<float>& weights) {
-    Floats total = all(weights[0]) * load(rows[0] + x);
-    for (std::size_t k = 1; k < weights.size(); ++k) {
-        const auto step = static_cast<std::ptrdiff_t>(k);
-        total = fma(all(weights[k]), load(rows[-step] + x) + load(rows[step] + x), total);
-    }
-    return total;
-}
-
 }  // namespace
 
 FlipRows::FlipRows(const Picture& picture, const FlipKernels& kernels, const FlipTile& tile)
@@ -115,12 +102,14 @@ FlipRows::FlipRows(const Picture& picture, const FlipKernels& kernels, const Fli
       tile_(tile),
       width_(tile.right - tile.left),
       padded_width_(width_ + 2 * kernels.radius) {
-    // Vectors that begin at the last column may reach beyond it by one less than their width, on both steps.
-    const std::size_t room = padded(padded_width_) + 2 * kFloatLanes;
+    // Blocks that begin at the last column reach beyond it, both down and, from there, across.
+    const std::size_t room = padded(width_) + 2 * kernels.radius + kFilterBlock;
     const std::size_t rows = 2 * kernels.radius + 1;
     ring_.fill(std::vector<std::vector<float>>(rows, std::vector<float>(room)));
     sources_.fill(std::vector<const float*>(rows));
+    steps_.resize(rows);
     columns_.fill(std::vector<float>(room));
+    across_.fill(std::vector<float>(room));
     values_.fill(std::vector<float>(room));
 }
 
@@ -142,7 +131,7 @@ void FlipRows::advance() {
     }
     filter_down();
     filter_across();
-    to_lab();
+    set_values();
     ++row_;
 }
 
@@ -151,6 +140,7 @@ void FlipRows::convert(std::size_t y) {
     const std::size_t left = tile_.left - std::min(tile_.left, radius);
     const std::size_t right = std::min(width, tile_.right + radius);
     const std::size_t before = left + radius - tile_.left;  // columns beyond the picture's left edge
+    const std::size_t next = std::min(y + 1, static_cast<std::size_t>(picture_.height) - 1) * width;
     float* out[kOpponents];
     for (std::size_t i = 0; i < kOpponents; ++i) out[i] = ring_[i][y % ring_[i].size()].data() + before;
     for (std::size_t x = left; x < right; x += kFloatLanes) {
@@ -161,6 +151,9 @@ void FlipRows::convert(std::size_t y) {
         for (Floats* channel : {&rgb.x, &rgb.y, &rgb.z}) {
             *channel = gain_ > 0 ? tone_mapped(*channel * all(gain_)) : linear_from_srgb(*channel);
         }
+        // The next row begins far away in memory, where no processor looks by itself.
+        for (const std::vector<float>& plane : picture_.rgb)
+            _mm_prefetch(plane.data() + next + x, _MM_HINT_T0);
         const Colour xyz = product(kWhiteXyzFromRgb, rgb);
         store(out[kY] + (x - left), xyz.y);
         store(out[kCx] + (x - left), xyz.x - xyz.y);
@@ -169,84 +162,54 @@ void FlipRows::convert(std::size_t y) {
     // Beyond the picture its outermost column is repeated.
     for (float* row : out) {
         std::fill(row - before, row, row[0]);
-        std::fill(row + (right - left), row - before + padded(padded_width_) + kFloatLanes,
-                  row[right - left - 1]);
+        std::fill(row + (right - left), row - before + padded_width_, row[right - left - 1]);
     }
 }
 
 void FlipRows::filter_down() {
-    const float* const* const y_rows = rows(kY);
-    const float* const* const cx_rows = rows(kCx);
-    const float* const* const cz_rows = rows(kCz);
-    const std::vector<float>& luminance = kernels_.luminance;
-    const std::vector<float>& gaussian = kernels_.gaussian;
-    for (std::size_t x = 0; x < padded_width_; x += kFloatLanes) {
-        store(columns_[kLuminance].data() + x, symmetric_sum(y_rows, x, luminance));
-        store(columns_[kRedGreen].data() + x, symmetric_sum(cx_rows, x, kernels_.red_green));
-    }
-    for (std::size_t x = 0; x < padded_width_; x += kFloatLanes) {
-        const Floats centre = load(y_rows[0] + x);
-        Floats smooth = all(gaussian[0]) * centre, edges = all(0), points = all(0);
-        for (std::size_t k = 1; k < gaussian.size(); ++k) {
-            const auto step = static_cast<std::ptrdiff_t>(k);
-            const Floats above = load(y_rows[-step] + x), below = load(y_rows[step] + x);
-            const Floats both = above + below;
-            smooth = fma(all(gaussian[k]), both, smooth);
-            edges = fma(all(kernels_.edge[k]), below - above, edges);
-            // Differences to the centre: where the picture is flat no rounding passes for a point.
-            points = fma(all(kernels_.point[k]), both - (centre + centre), points);
-        }
-        store(columns_[kGaussian].data() + x, smooth);
-        store(columns_[kEdges].data() + x, edges);
-        store(columns_[kPoints].data() + x, points);
-    }
-    for (std::size_t x = 0; x < padded_width_; x += kFloatLanes) {
-        store(columns_[kWide].data() + x, symmetric_sum(cz_rows, x, kernels_.blue_yellow_wide));
-        store(columns_[kNarrow].data() + x, symmetric_sum(cz_rows, x, kernels_.blue_yellow_narrow));
-    }
+    const auto out = [&](Column column) { return columns_[column].data(); };
+    const auto rows = [&](Opponent opponent) { return sources_[opponent].data() + kernels_.radius; };
+    smooth_by_both(out(kLuminance), out(kGaussian), rows(kY), padded_width_, kernels_.luminance,
+                   kernels_.gaussian);
+    differentiate(out(kEdges), out(kPoints), rows(kY), padded_width_, kernels_.edge, kernels_.point);
+    smooth(out(kRedGreen), rows(kCx), padded_width_, kernels_.red_green);
+    smooth_by_both(out(kNarrow), out(kWide), rows(kCz), padded_width_, kernels_.blue_yellow_narrow,
+                   kernels_.blue_yellow_wide);
 }
 
 void FlipRows::filter_across() {
-    const std::size_t radius = kernels_.radius;
-    const auto column = [&](Column which, std::size_t x) { return columns_[which].data() + radius + x; };
-    for (std::size_t x = 0; x < width_; x += kFloatLanes) {
-        store(values_[kLightness].data() + x, symmetric_sum(column(kLuminance, x), kernels_.luminance));
-        store(values_[kGreenRed].data() + x, symmetric_sum(column(kRedGreen, x), kernels_.red_green));
-        store(values_[kBlueYellow].data() + x,
-              symmetric_sum(column(kWide, x), kernels_.blue_yellow_wide) +
-                  symmetric_sum(column(kNarrow, x), kernels_.blue_yellow_narrow));
-    }
-    for (std::size_t x = 0; x < width_; x += kFloatLanes) {
-        const float* const smooth = column(kGaussian, x);
-        const Floats centre = load(smooth);
-        Floats edges = all(0), points = all(0);
-        for (std::size_t k = 1; k < kernels_.edge.size(); ++k) {
-            const Floats before = load(smooth - k), after = load(smooth + k);
-            edges = fma(all(kernels_.edge[k]), after - before, edges);
-            points = fma(all(kernels_.point[k]), before + after - (centre + centre), points);
-        }
-        const Floats edges_down = symmetric_sum(column(kEdges, x), kernels_.gaussian);
-        const Floats points_down = symmetric_sum(column(kPoints, x), kernels_.gaussian);
-        store(values_[kEdge].data() + x, square_root(fma(edges, edges, edges_down * edges_down)));
-        store(values_[kPoint].data() + x, square_root(fma(points, points, points_down * points_down)));
-    }
+    const auto out = [&](Filtered which) { return across_[which].data(); };
+    const auto columns = [&](Column column) {
+        for (std::size_t i = 0; i < steps_.size(); ++i) steps_[i] = columns_[column].data() + i;
+        return steps_.data() + kernels_.radius;
+    };
+    smooth(out(kFilteredY), columns(kLuminance), width_, kernels_.luminance);
+    smooth(out(kFilteredCx), columns(kRedGreen), width_, kernels_.red_green);
+    smooth(out(kFilteredCzWide), columns(kWide), width_, kernels_.blue_yellow_wide);
+    smooth(out(kFilteredCzNarrow), columns(kNarrow), width_, kernels_.blue_yellow_narrow);
+    differentiate(out(kEdgeAcross), out(kPointAcross), columns(kGaussian), width_, kernels_.edge,
+                  kernels_.point);
+    smooth(out(kEdgeDown), columns(kEdges), width_, kernels_.gaussian);
+    smooth(out(kPointDown), columns(kPoints), width_, kernels_.gaussian);
 }
 
-void FlipRows::to_lab() {
-    float* const lightness = values_[kLightness].data();
-    float* const green_red = values_[kGreenRed].data();
-    float* const blue_yellow = values_[kBlueYellow].data();
-    for (std::size_t i = 0; i < width_; i += kFloatLanes) {
-        const Floats y = load(lightness + i);
-        Colour rgb = product(kRgbFromWhiteXyz, {y + load(green_red + i), y, y - load(blue_yellow + i)});
+void FlipRows::set_values() {
+    for (std::size_t x = 0; x < width_; x += kFloatLanes) {
+        const auto in = [&](Filtered which) { return load(across_[which].data() + x); };
+        const auto set = [&](Value value, Floats lanes) { store(values_[value].data() + x, lanes); };
+        const Floats y = in(kFilteredY);
+        Colour rgb = product(kRgbFromWhiteXyz,
+                             {y + in(kFilteredCx), y, y - (in(kFilteredCzWide) + in(kFilteredCzNarrow))});
         for (Floats* channel : {&rgb.x, &rgb.y, &rgb.z}) *channel = held(*channel, 0, 1);
         Colour xyz = product(kWhiteXyzFromRgb, rgb);
         for (Floats* channel : {&xyz.x, &xyz.y, &xyz.z}) *channel = compressed(*channel);
         const Floats l = fma(xyz.y, all(116), all(-16));
-        // Hunt: colours are more colourful where it is bright.
-        store(lightness + i, l);
-        store(green_red + i, all(0.01f * 500) * l * (xyz.x - xyz.y));
-        store(blue_yellow + i, all(0.01f * 200) * l * (xyz.y - xyz.z));
+        set(kLightness, l);
+        // Hunt: the same chroma seems stronger where it is bright.
+        set(kGreenRed, all(0.01f * 500) * l * (xyz.x - xyz.y));
+        set(kBlueYellow, all(0.01f * 200) * l * (xyz.y - xyz.z));
+        set(kEdge, length(in(kEdgeAcross), in(kEdgeDown)));
+        set(kPoint, length(in(kPointAcross), in(kPointDown)));
     }
 }
 
@@ -283,7 +246,7 @@ void compare_rows(const FlipRows& picture, const FlipRows& reference, std::size_
     };
     for (std::size_t x = 0; x < count; x += kFloatLanes) {
         const Floats a = difference(kGreenRed, x), b = difference(kBlueYellow, x);
-        const Floats hyab = absolute(difference(kLightness, x)) + square_root(fma(a, a, b * b));
+        const Floats hyab = absolute(difference(kLightness, x)) + length(a, b);
         const Floats raised = power(hyab, all(0.7f));
         const Floats colour =
             where_greater(knee, raised, raised * slope, fma(raised - knee, upper_slope, all(0.95f)));

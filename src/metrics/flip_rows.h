@@ -36,12 +36,23 @@ private:
     enum Opponent : std::size_t { kY, kCx, kCz, kOpponents };
     /// Those filtered down the columns, by the kernels' names.
     enum Column : std::size_t { kLuminance, kRedGreen, kWide, kNarrow, kGaussian, kEdges, kPoints, kColumns };
+    /// And then across the rows; features by the direction of their derivative.
+    enum Filtered : std::size_t {
+        kFilteredY,
+        kFilteredCx,
+        kFilteredCzWide,
+        kFilteredCzNarrow,
+        kEdgeAcross,
+        kPointAcross,
+        kEdgeDown,
+        kPointDown,
+        kFiltered
+    };
 
     void convert(std::size_t y);
     void filter_down();
     void filter_across();
-    void to_lab();
-    const float* const* rows(Opponent opponent) const { return sources_[opponent].data() + kernels_.radius; }
+    void set_values();
 
     const Picture& picture_;
     const FlipKernels& kernels_;
@@ -53,7 +64,9 @@ private:
     std::size_t converted_ = 0;  ///< rows above it are in the ring
     std::array<std::vector<std::vector<float>>, kOpponents> ring_;  ///< by row modulo 2 radius + 1
     std::array<std::vector<const float*>, kOpponents> sources_;     ///< rows at -radius ... radius
+    std::vector<const float*> steps_;                               ///< a row's columns at -radius ... radius
     std::array<std::vector<float>, kColumns> columns_;
+    std::array<std::vector<float>, kFiltered> across_;
     std::array<std::vector<float>, kValues> values_;
 };
 
