@@ -12,7 +12,7 @@ namespace {
 using Matrix = std::array<std::array<double, 3>, 3>;
 
 /// Linear Rec.709 to XYZ over the white of (1, 1, 1): the chromaticities of ITU-R BT.709 and D65 as ratios of
-/// whole numbers, each row divided by its sum.
+/// whole numbers, each row over its sum.
 constexpr Matrix kWhiteXyzFromRgb = [] {
     Matrix matrix{{{10135552.0 / 24577794, 8788810.0 / 24577794, 4435075.0 / 24577794},
                    {2613072.0 / 12288897, 8788810.0 / 12288897, 887015.0 / 12288897},
@@ -24,16 +24,16 @@ constexpr Matrix kWhiteXyzFromRgb = [] {
     return matrix;
 }();
 
+/// By Cramer's rule.
 constexpr Matrix inverse(const Matrix& m) {
     Matrix result{};
-    double determinant = 0;
     for (std::size_t i = 0; i < 3; ++i) {
         for (std::size_t j = 0; j < 3; ++j) {
             const std::size_t a = (i + 1) % 3, b = (i + 2) % 3, c = (j + 1) % 3, d = (j + 2) % 3;
             result[j][i] = m[a][c] * m[b][d] - m[a][d] * m[b][c];
         }
-        determinant += i == 0 ? m[0][0] * result[0][0] + m[0][1] * result[1][0] + m[0][2] * result[2][0] : 0;
     }
+    const double determinant = m[0][0] * result[0][0] + m[0][1] * result[1][0] + m[0][2] * result[2][0];
     for (std::array<double, 3>& row : result) {
         for (double& element : row) element /= determinant;
     }
@@ -114,7 +114,8 @@ FlipRows::FlipRows(const Picture& picture, const FlipKernels& kernels, const Fli
 }
 
 void FlipRows::start(std::optional<double> exposure) {
-    gain_ = exposure ? static_cast<float>(std::exp2(*exposure)) : 0;
+    gain_.reset();
+    if (exposure) gain_ = static_cast<float>(std::exp2(*exposure));
     row_ = tile_.top;
     converted_ = tile_.top - std::min(tile_.top, kernels_.radius);
 }
@@ -149,11 +150,12 @@ void FlipRows::convert(std::size_t y) {
                    load_some(picture_.rgb[1].data() + at, count),
                    load_some(picture_.rgb[2].data() + at, count)};
         for (Floats* channel : {&rgb.x, &rgb.y, &rgb.z}) {
-            *channel = gain_ > 0 ? tone_mapped(*channel * all(gain_)) : linear_from_srgb(*channel);
+            *channel = gain_ ? tone_mapped(*channel * all(*gain_)) : linear_from_srgb(*channel);
         }
         // The next row begins far away in memory, where no processor looks by itself.
-        for (const std::vector<float>& plane : picture_.rgb)
+        for (const std::vector<float>& plane : picture_.rgb) {
             _mm_prefetch(plane.data() + next + x, _MM_HINT_T0);
+        }
         const Colour xyz = product(kWhiteXyzFromRgb, rgb);
         store(out[kY] + (x - left), xyz.y);
         store(out[kCx] + (x - left), xyz.x - xyz.y);

@@ -59,7 +59,7 @@ private:
     FlipTile tile_;
     std::size_t width_;          ///< of the tile
     std::size_t padded_width_;   ///< with the kernels' radius on both sides
-    float gain_ = 0;             ///< 0 for sRGB
+    std::optional<float> gain_;  ///< none for sRGB
     std::size_t row_ = 0;        ///< to come
     std::size_t converted_ = 0;  ///< rows above it are in the ring
     std::array<std::vector<std::vector<float>>, kOpponents> ring_;  ///< by row modulo 2 radius + 1

@@ -59,11 +59,13 @@ TEST(Errors, NoiseAveragesOutOverBlocks) {
 }
 
 TEST(Errors, FindTheWorstPixel) {
-    // In a tile that is not the first, twice: the first of the two counts. One channel alone carries it.
-    const Picture reference = constant(21, 50, {1, 1, 1});
+    // In a tile that is not the first, and in another: the first of both counts. One channel alone carries
+    // it.
+    const Picture reference = constant(21, 60, {1, 1, 1});
     Picture picture = reference;
     picture.rgb[2][21 * 40 + 17] = -3;
-    picture.rgb[0][21 * 45 + 2] = 5;
+    picture.rgb[0][21 * 43 + 2] = 5;
+    picture.rgb[0][21 * 58 + 2] = 5;
     picture.rgb[1][3] = 2;
     const Errors errors = errors_of(picture, reference, 1, 1);
     EXPECT_EQ(errors.largest, 4);

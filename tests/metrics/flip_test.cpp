@@ -234,20 +234,21 @@ TEST(HdrFlip, SeesWhatOneExposureHides) {
 TEST(HdrFlip, TakesNegativeAndHugeValues) {
     const Picture negative = constant(9, 9, {-5, -1e30f, -1}), black = constant(9, 9, {0, 0, 0});
     EXPECT_EQ(flip_hdr(negative, black, {-1, 4, 2}).largest, 0);
+    EXPECT_EQ(flip_hdr(constant(9, 9, {1, 1, 1}), black, {-400, -300, 2}).largest, 0);
     const Picture huge = constant(9, 9, {3e38f, 3e38f, 3e38f}), bright = constant(9, 9, {1e6f, 1e6f, 1e6f});
     EXPECT_EQ(flip_hdr(huge, bright, {0, 4, 2}).largest, 0);
 }
 
-TEST(Exposures, PutTheExtremesAtThePaper) {
-    // Half of the pixels at 1/4, a third at 4, the others at 1/64: the median is 1/4, the largest 4.
-    const Picture picture = picture_by(6, 4, [](int x, int) {
-        return glm::vec3(x < 3 ? 0.25f : x < 5 ? 4.0f : 1.0f / 64);
+TEST(Exposures, PutMedianAndLargestWhereThePaperDoes) {
+    // Two fifths of the pixels at 1/64, one at 1/4, two at 3.5: the median is 1/4.
+    const Picture picture = picture_by(5, 4, [](int x, int) {
+        return glm::vec3(x < 2 ? 1.0f / 64 : x == 2 ? 0.25f : 3.5f);
     });
     const Exposures exposures = exposures_of({&picture});
-    // Both come to 0.85 of the tone curve; grey, to what the rounded weights of luminance leave of 1.
-    EXPECT_NEAR(flip_definition::tone(4 * std::exp2(exposures.start)), 0.85, 1e-6);
+    // Both come to 0.85 of the tone curve; the weights of luminance sum to 1 but for their rounding to float.
+    EXPECT_NEAR(flip_definition::tone(3.5 * std::exp2(exposures.start)), 0.85, 1e-6);
     EXPECT_NEAR(flip_definition::tone(0.25 * std::exp2(exposures.stop)), 0.85, 1e-6);
-    EXPECT_EQ(exposures.count, 4);
+    EXPECT_EQ(exposures.count, 4);  // log2(14) = 3.8, rounded up
 }
 
 TEST(Exposures, DoWithoutAMedian) {
