@@ -2,9 +2,12 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <charconv>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -31,6 +34,7 @@ struct Arguments {
     bool plan = false;
     bool dry_run = false;
     bool strict = false;
+    std::optional<double> max_flicker;
 };
 
 run::Existing existing_of(const std::string& name) {
@@ -96,6 +100,18 @@ void check_validation(const gpu::Device& device) {
                                       " messages, the first: " + clipped(messages.front()));
 }
 
+/// A limit that nothing can exceed, such as NaN, would be no check.
+CLI::Validator positive_number() {
+    const auto fault = [](const std::string& text) -> std::string {
+        double number = 0;
+        const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+        const bool whole = error == std::errc{} && end == text.data() + text.size();
+        if (whole && std::isfinite(number) && number > 0) return "";
+        return "'" + clipped(text) + "' is no number above 0, such as 1e-3";
+    };
+    return {fault, "NUMBER > 0"};
+}
+
 ExitCode render(const Arguments& arguments) {
     const run::Interruption interruption;
     run::LoopOptions options;
@@ -104,6 +120,7 @@ ExitCode render(const Arguments& arguments) {
         arguments.max_memory.empty() ? run::default_memory_budget() : run::parse_bytes(arguments.max_memory);
     options.existing = existing_of(arguments.existing);
     options.strict = arguments.strict;
+    options.max_flicker = arguments.max_flicker;
     set_thread_count(arguments.threads);
     image::set_exr_threads(thread_count());
 
@@ -177,9 +194,16 @@ void add_render_verb(CLI::App& app, Run& run) {
     verb->add_flag(
         "--strict", arguments->strict,
         "Exit with 6 where values were not finite or a pass was done partly; the frames are complete then");
+    verb->add_option(
+            "--max-flicker", arguments->max_flicker,
+            "Exit with 6 where the flicker of a frame of the folder exceeds this: the mean square of "
+            "its difference to the mean of its neighbours, over the clip's mean squared; the frames "
+            "are complete then")
+        ->check(positive_number());
     verb->footer(
         "Exit codes: 0 done, 2 wrong call or another job's folder, 3 invalid timeline, 4 unreadable input,\n"
-        "5 unwritable output, 6 --strict, 7 device, 33 memory, 75 interrupted (the same command goes on).\n"
+        "5 unwritable output, 6 --strict or --max-flicker, 7 device, 33 memory, 75 interrupted (the same "
+        "command goes on).\n"
         "A first SIGINT, SIGTERM or SIGHUP lets the frame at work be finished; a second one does not.");
     verb->callback([arguments, &run] { run = [arguments] { return render(*arguments); }; });
 }

@@ -13,7 +13,8 @@ namespace {
 
 constexpr int kLowestExponent = -100, kHighestExponent = 100;  // of 2, of H^2
 constexpr int kBinsPerOctave = 4;
-constexpr std::size_t kBins = kBinsPerOctave * (kHighestExponent - kLowestExponent) + 2;
+constexpr std::size_t kBins = kHistogramBins;
+static_assert(kBins == kBinsPerOctave * (kHighestExponent - kLowestExponent) + 2);
 constexpr std::size_t kJumpBins = 40;
 static_assert(kJump == 1 << (kJumpBins / kBinsPerOctave));
 

@@ -9,6 +9,9 @@
 
 namespace dapple::metrics {
 
+/// Of FrameFlicker::histogram, at most.
+inline constexpr std::size_t kHistogramBins = 802;
+
 /// Temporal figures of frame t from D at t - 1, t, t + 1, where D is the luminance I, or I - R where there is
 /// a reference. Pixels that any of the pictures excludes are left out; of the mean, those of I alone. Not yet
 /// divided by the clip's mean, which is known at its end.

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdio>
 #include <filesystem>
 #include <set>
 
@@ -18,6 +19,7 @@
 #include "run/output_paths.h"
 #include "run/preview.h"
 #include "run/stats_file.h"
+#include "run/temporal_figures.h"
 
 namespace dapple::run {
 namespace {
@@ -46,6 +48,12 @@ WrittenFile written(const image::WrittenExr& file) {
     return {file.bytes, file.content_hash};
 }
 
+std::string short_text(double number) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.4g", number);
+    return text;
+}
+
 /// One call of render_frames().
 class FrameLoop {
 public:
@@ -72,6 +80,7 @@ public:
         if (!resumes_) paths_.remove_checkpoints();
         save();  // shows that the folder can be written before time is spent
         tidy_stats(paths_.stats(), manifest_.frames);
+        temporal_.emplace(paths_, manifest_.frames, options_.frames);
         if (!other_tools_.empty()) {
             reporter_.warning("frames in " + options_.folder + " were made with other versions (" +
                               other_tools_ + "); new ones may differ from them in the last bits");
@@ -80,11 +89,12 @@ public:
         reporter_.run_started(options_.folder, options_.frames.frames().size());
         try {
             render_all();
+            if (complete_) measure_clip();
         } catch (...) {
             leave_tidy();
             throw;
         }
-        tidy_stats(paths_.stats(), manifest_.frames);
+        tidy_stats(paths_.stats(), manifest_.frames, clip_ ? &*clip_ : nullptr);
         paths_.remove_checkpoint_folder_if_empty();
         return end();
     }
@@ -156,12 +166,31 @@ private:
             if (interruption_.requested()) return;
             if (keeps(frame)) {
                 paths_.remove_checkpoint(frame);  // left by a kill just after the frame was entered
+                temporal_->frame_done(frame, nullptr);
                 reporter_.frame_kept(frame);
             } else if (!render(frame)) {
                 return;
             }
         }
         complete_ = true;
+    }
+
+    void measure_clip() {
+        complete_ = temporal_->complete([this] { return interruption_.requested(); });
+        if (!complete_) return;
+        if (const std::set<std::int64_t>& frames = temporal_->unreadable(); !frames.empty()) {
+            reporter_.warning(std::to_string(frames.size()) +
+                              " frames and their neighbours have no temporal "
+                              "figures, as the linear picture is not what the manifest says, the first: " +
+                              paths_.linear(*frames.begin()));
+        }
+        clip_ = temporal_->clip();
+        if (clip_->worst_frame) {
+            reporter_.clip_measured(*clip_);
+        } else if (options_.max_flicker) {
+            reporter_.warning("--max-flicker: no frame has both neighbours in " + options_.folder +
+                              ", so none was held against it");
+        }
     }
 
     bool keeps(std::int64_t frame) const {
@@ -179,8 +208,10 @@ private:
         const double cpu_start = cpu_seconds();
         check_memory(source_, FrameSet::range(frame, frame), options_.max_memory);
         FrameStats stats;
-        const std::optional<SourceFrame> rendered = ask_source(frame, stats);
+        std::optional<SourceFrame> rendered = ask_source(frame, stats);
         if (!rendered) return false;
+        // As in the file, so that luminance is the same from here and from there.
+        rendered->linear.chromaticities = options_.linear_exr.chromaticities;
         const SourceFrame& pictures = *rendered;
         FrameEntry entry;
         for (const render::PlanLine& line : pictures.plan) {
@@ -205,10 +236,14 @@ private:
             // The writer's own net; what render/ counts is replaced before.
             entry.non_finite += linear.counts.non_finite + graded.counts.non_finite;
         }
+        manifest_.frames[frame] = entry;
+        {
+            const ScopedPass pass(stats, "temporal figures");
+            temporal_->frame_done(frame, &pictures.linear);
+        }
         const FrameCost cost{wall_seconds() - wall_start, cpu_seconds() - cpu_start, peak_memory_bytes()};
         // First what it cost, then the manifest: a frame that counts as finished always has its line.
         append_stats(paths_.stats(), stats_line(frame, cost, stats, entry));
-        manifest_.frames[frame] = entry;
         save();
         paths_.remove_checkpoint(frame);
         reporter_.frame_rendered(frame, cost.wall_s, cost.cpu_s, entry.linear.bytes + entry.graded.bytes,
@@ -233,9 +268,10 @@ private:
             finish(ExitCode::interrupted, "interrupted; the same command goes on: ");
             return ExitCode::interrupted;
         }
-        const std::string unfit = options_.strict ? strict_failure() : "";
+        const std::string unfit =
+            (options_.strict ? strict_failure() : "") + (options_.max_flicker ? flicker_failure() : "");
         if (!unfit.empty()) {
-            finish(ExitCode::check_failed, "--strict: " + unfit + "; ");
+            finish(ExitCode::check_failed, unfit);
             return ExitCode::check_failed;
         }
         finish(ExitCode::done, "");
@@ -246,13 +282,30 @@ private:
     std::string strict_failure() const {
         for (const std::int64_t frame : options_.frames.frames()) {
             const FrameEntry& entry = manifest_.frames.at(frame);
-            const std::string where = "frame " + std::to_string(frame) + " ";
+            const std::string where = "--strict: frame " + std::to_string(frame) + " ";
             if (entry.non_finite > 0) {
-                return where + "had " + std::to_string(entry.non_finite) + " values that were not finite";
+                return where + "had " + std::to_string(entry.non_finite) + " values that were not finite; ";
             }
-            if (!entry.partly.empty()) return where + "was done partly (" + entry.partly.front() + ")";
+            if (!entry.partly.empty()) return where + "was done partly (" + entry.partly.front() + "); ";
         }
         return "";
+    }
+
+    /// Which frames of the folder flicker more than --max-flicker; empty where none does.
+    std::string flicker_failure() const {
+        constexpr std::size_t most_named = 20;
+        std::string named;
+        std::size_t over = 0;
+        for (const auto& [frame, figures] : clip_->frames) {
+            if (figures.flicker <= *options_.max_flicker) continue;
+            if (++over > most_named) continue;
+            named +=
+                (over > 1 ? ", " : "") + std::to_string(frame) + " (" + short_text(figures.flicker) + ")";
+        }
+        if (over == 0) return "";
+        if (over > most_named) named += " and " + std::to_string(over - most_named) + " more";
+        return "--max-flicker: more than " + short_text(*options_.max_flicker) + " in " +
+               (over == 1 ? "frame " : "frames ") + named + "; ";
     }
 
     void update_preview() {
@@ -315,6 +368,8 @@ private:
     Reporter& reporter_;
     const OutputPaths paths_;
     Manifest manifest_;
+    std::optional<TemporalFigures> temporal_;
+    std::optional<metrics::ClipFlicker> clip_;  ///< once all frames are done
     std::string
         other_tools_;  ///< in which the machine differs from the one that made the frames in the manifest
     bool resumes_ = false;  ///< the folder is this job's and its frames are not made anew

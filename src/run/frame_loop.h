@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "base/error.h"
@@ -25,6 +26,7 @@ struct LoopOptions {
     FrameSet frames;
     Existing existing = Existing::verify;
     bool strict = false;                    ///< exit 6 where values were not finite or a pass was done partly
+    std::optional<double> max_flicker;      ///< exit 6 where a frame's is higher (metrics/flicker.h)
     std::uint64_t max_memory = UINT64_MAX;  ///< bytes
     std::string encoder = "ffmpeg";         ///< of the preview, looked for in $PATH
     image::ExrOptions linear_exr;
@@ -39,13 +41,13 @@ void check_memory(const FrameSource& source, const FrameSet& frames, std::uint64
 double largest_frame_bytes(const scene::Clip& clip);
 
 /// Renders the frames of the set into the folder, each written atomically and then entered in the manifest;
-/// then makes the preview if the whole clip is there. May be ended at any moment, also by SIGKILL: the same
-/// call goes on where it stopped, and all files get the bytes that they would have had. Only one process at a
-/// time renders into a folder.
+/// measures how they flicker, and makes the preview if the whole clip is there. May be ended at any moment,
+/// also by SIGKILL: the same call goes on where it stopped, and all files get the bytes that they would have
+/// had. Only one process at a time renders into a folder.
 ///
-/// Returns done, interrupted, or check_failed (strict). Throws Error(usage) for a folder of another job or
-/// another process, Error(out_of_memory_budget), Error(output_unwritable), and what the source throws;
-/// finished frames are in the manifest then.
+/// Returns done, interrupted, or check_failed (strict, max_flicker). Throws Error(usage) for a folder of
+/// another job or another process, Error(out_of_memory_budget), Error(output_unwritable), and what the source
+/// throws; finished frames are in the manifest then.
 ExitCode render_frames(const Job& job, FrameSource& source, const LoopOptions& options,
                        const Interruption& interruption, Reporter& reporter);
 

@@ -90,6 +90,21 @@ void Reporter::frame_rendered(std::int64_t frame, double wall_s, double cpu_s, s
     progress("frame " + std::to_string(frame) + ": " + seconds_text(wall_s));
 }
 
+void Reporter::clip_measured(const metrics::ClipFlicker& clip) {
+    const metrics::ClipFlicker::Frame& worst = clip.frames.at(*clip.worst_frame);
+    event("clip_measured", members({{"measured_frames", clip.frames.size()},
+                                    {"mean", clip.mean},
+                                    {"flicker", clip.flicker},
+                                    {"worst_frame", *clip.worst_frame},
+                                    {"worst_flicker", worst.flicker},
+                                    {"worst_jump_share", worst.jump_share}}));
+    char text[160];
+    std::snprintf(
+        text, sizeof text, "flicker %.3g in the mean, %.3g in frame %lld, where %.2g %% of the pixels jump",
+        clip.flicker, worst.flicker, static_cast<long long>(*clip.worst_frame), 100 * worst.jump_share);
+    line(text);
+}
+
 void Reporter::preview_made(const std::string& path, std::uint64_t bytes) {
     event("preview_made", members({{"path", path}, {"bytes", bytes}}));
     line("preview " + path);

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <string>
 
+#include "metrics/flicker.h"
+
 namespace dapple::run {
 
 /// Tells how a run goes: on standard output one updating line where that is a terminal, else a plain line for
@@ -22,6 +24,8 @@ public:
     void frame_kept(std::int64_t frame);
     void frame_rendered(std::int64_t frame, double wall_s, double cpu_s, std::uint64_t bytes,
                         std::size_t non_finite);
+    /// How the clip flickers; it has a worst frame.
+    void clip_measured(const metrics::ClipFlicker& clip);
     void preview_made(const std::string& path, std::uint64_t bytes);
     /// Something that the user should know but that stops nothing; on standard error.
     void warning(const std::string& message);

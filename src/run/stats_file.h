@@ -2,8 +2,10 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "base/stats.h"
+#include "metrics/flicker.h"
 #include "run/manifest.h"
 
 namespace dapple::run {
@@ -22,8 +24,30 @@ std::string stats_line(std::int64_t frame, const FrameCost& cost, const FrameSta
 /// Adds a line at the end of the file and syncs it. Throws Error(output_unwritable).
 void append_stats(const std::string& path, const std::string& line);
 
-/// Rewrites the file atomically with the last line of each finished frame, in the order of frames; torn lines
-/// and those of other frames go. Does nothing where there is no file. Throws Error(output_unwritable).
-void tidy_stats(const std::string& path, const std::map<std::int64_t, FrameEntry>& finished);
+/// Content hashes of the linear pictures that a frame's temporal figures are made from: those of t - 1, t and
+/// t + 1, or of t alone where a neighbour is not finished. `finished` must hold the frame.
+using TemporalInputs = std::vector<std::string>;
+TemporalInputs temporal_inputs(const std::map<std::int64_t, FrameEntry>& finished, std::int64_t frame);
+
+struct TemporalRecord {
+    TemporalInputs inputs;
+    metrics::FrameFlicker figures;
+};
+
+/// The temporal figures of a frame as a line of their own, {"frame": t, "temporal": {...}}: they come after
+/// the frame's cost.
+std::string temporal_line(std::int64_t frame, const TemporalRecord& record);
+
+/// The last temporal figures of each finished frame whose inputs are still the same. None where there is no
+/// file.
+std::map<std::int64_t, TemporalRecord> read_temporal_records(
+    const std::string& path, const std::map<std::int64_t, FrameEntry>& finished);
+
+/// Rewrites the file atomically with one line for each finished frame, in the order of frames: its last cost
+/// and, under "temporal", its last temporal figures where their inputs are still the same. Torn lines and
+/// those of other frames go. With a `clip` each measured frame gets its share in it, and a last line {"clip":
+/// {...}} sums it up. Does nothing where there is no file. Throws Error(output_unwritable).
+void tidy_stats(const std::string& path, const std::map<std::int64_t, FrameEntry>& finished,
+                const metrics::ClipFlicker* clip = nullptr);
 
 }  // namespace dapple::run

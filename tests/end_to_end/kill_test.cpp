@@ -8,6 +8,7 @@
 
 #include "end_to_end/program.h"
 #include "run/manifest.h"
+#include "run/told_figures.h"
 
 namespace dapple::end_to_end {
 namespace {
@@ -30,6 +31,8 @@ TEST(Kill, AtAnyMomentLeavesWholeFilesAndTheSameClipAfterResume) {
     const double run_s = seconds_since(start);
     const auto whole = pictures_in(scratch / "whole");
     ASSERT_THAT(whole, SizeIs(12));
+    const testing_tools::Told figures = testing_tools::told(scratch / "whole");
+    ASSERT_THAT(figures.frames, SizeIs(6));
     const std::string video = file_text(scratch / "whole/small.mp4");
 
     std::mt19937 random(11);
@@ -61,6 +64,7 @@ TEST(Kill, AtAnyMomentLeavesWholeFilesAndTheSameClipAfterResume) {
         ASSERT_EQ(resumed.code, 0) << resumed.output;
         EXPECT_TRUE(pictures_in(folder) == whole);
         EXPECT_TRUE(file_text(folder + "/small.mp4") == video);
+        EXPECT_EQ(testing_tools::told(folder), figures);
         for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
             EXPECT_NE(entry.path().extension(), ".tmp") << entry.path();
         }

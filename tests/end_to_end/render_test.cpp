@@ -25,6 +25,7 @@ TEST(Render, ATimelineBecomesPicturesStatsManifestAndVideo) {
         run_dapple(scratch, {"render", kSmall, "-o", scratch / "out", "--log-json", scratch / "log"});
     ASSERT_EQ(outcome.code, 0) << outcome.output;
     EXPECT_THAT(outcome.output, HasSubstr("6 frames rendered, 0 kept"));
+    EXPECT_THAT(outcome.output, HasSubstr("flicker "));
     EXPECT_THAT(outcome.output, Not(HasSubstr("WARNING")));
     EXPECT_THAT(pictures_in(scratch / "out"), SizeIs(12));
 
@@ -38,7 +39,13 @@ TEST(Render, ATimelineBecomesPicturesStatsManifestAndVideo) {
     int frame = 0;
     for (std::string line; std::getline(stats, line);) {
         const auto json = nlohmann::json::parse(line);
+        if (json.contains("clip")) {
+            EXPECT_EQ(json.at("clip").at("measured_frames"), 4);
+            break;
+        }
         EXPECT_EQ(json.at("frame"), ++frame);
+        EXPECT_GT(json.at("temporal").at("mean"), 0);
+        EXPECT_EQ(json.at("temporal").contains("flicker"), frame > 1 && frame < 6);
         EXPECT_EQ(json.at("non_finite"), 0);
         EXPECT_GT(json.at("passes").size(), 5U);
         EXPECT_GT(json.at("counts").at("photons"), 1000);
@@ -134,6 +141,29 @@ TEST(Render, StrictFailsAfterTheFramesAreComplete) {
     EXPECT_EQ(outcome.code, 6);
     EXPECT_THAT(outcome.output, HasSubstr("--strict: frame 1 was done partly"));
     EXPECT_THAT(pictures_in(scratch / "out"), SizeIs(4));
+}
+
+TEST(Render, AClipThatFlickersTooMuchFailsAfterItsFramesAreComplete) {
+    const ScratchFolder scratch;
+    const std::vector<std::string> job = {"render", kSmall, "-o", scratch / "out", "-f", "1-4"};
+    const auto with_limit = [&](const std::string& limit) {
+        std::vector<std::string> arguments = job;
+        arguments.insert(arguments.end(), {"--max-flicker", limit});
+        return run_dapple(scratch, arguments);
+    };
+    for (const char* limit : {"0", "-1", "nan", "inf", "much", "1e-3x", ""}) {
+        const auto outcome = with_limit(limit);
+        EXPECT_EQ(outcome.code, 2) << limit;
+        EXPECT_THAT(outcome.output, HasSubstr("is no number above 0")) << limit;
+    }
+    EXPECT_FALSE(std::filesystem::exists(scratch / "out"));
+
+    const auto failed = with_limit("1e-9");
+    EXPECT_EQ(failed.code, 6) << failed.output;
+    EXPECT_THAT(failed.output, HasSubstr("--max-flicker: more than 1e-09 in frames 2 ("));
+    EXPECT_THAT(failed.output, HasSubstr(", 3 ("));
+    EXPECT_THAT(pictures_in(scratch / "out"), SizeIs(8));
+    EXPECT_EQ(with_limit("1e3").code, 0);
 }
 
 TEST(Render, SaysThatFramesLieOutsideTheClip) {

@@ -1,6 +1,7 @@
 #pragma once
 #include <chrono>
 #include <fstream>
+#include <map>
 #include <set>
 #include <string>
 #include <thread>
@@ -20,14 +21,15 @@ public:
     int width = 16;
     int height = 9;
     std::chrono::milliseconds delay{0};
-    std::size_t memory = 1000;           ///< bytes a frame
-    std::set<std::int64_t> broken;       ///< render() throws Error(input_unreadable)
-    std::set<std::int64_t> not_finite;   ///< one value reported
-    std::set<std::int64_t> partly;       ///< a pass of the plan
-    std::set<std::int64_t> large;        ///< 64 times the pixels
-    std::vector<std::int64_t> rendered;  ///< frames asked for so far
-    std::set<std::int64_t> slow;         ///< frames of kSteps steps, each kept in the checkpoint
-    int steps_before_stop = -1;          ///< stops by itself after so many; -1: only where the loop asks
+    std::size_t memory = 1000;            ///< bytes a frame
+    std::set<std::int64_t> broken;        ///< render() throws Error(input_unreadable)
+    std::set<std::int64_t> not_finite;    ///< one value reported
+    std::set<std::int64_t> partly;        ///< a pass of the plan
+    std::set<std::int64_t> large;         ///< 64 times the pixels
+    std::map<std::int64_t, float> flash;  ///< added to the linear picture
+    std::vector<std::int64_t> rendered;   ///< frames asked for so far
+    std::set<std::int64_t> slow;          ///< frames of kSteps steps, each kept in the checkpoint
+    int steps_before_stop = -1;           ///< stops by itself after so many; -1: only where the loop asks
     std::chrono::milliseconds step{0};
     int steps_taken = 0;  ///< by all frames
     static constexpr int kSteps = 10;
@@ -43,6 +45,11 @@ public:
         SourceFrame result;
         result.linear = noise(frame, scale, {"R", "G", "B", "A", "Z"}, image::PixelType::float32);
         result.graded = noise(frame, scale, {"R", "G", "B"}, image::PixelType::half_float);
+        if (const auto more = flash.find(frame); more != flash.end()) {
+            for (const char* name : {"R", "G", "B"}) {
+                for (float& value : result.linear.find(name)->values) value += more->second;
+            }
+        }
         result.plan = {{"noise", partly.contains(frame) ? "partly" : "yes", "made up"}};
         stats.count("pixels", static_cast<double>(result.linear.pixels()));
         if (not_finite.contains(frame)) result.non_finite = {1, "R 3,4"};

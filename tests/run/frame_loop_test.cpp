@@ -6,10 +6,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "run/fake_source.h"
+#include "run/frame_loop_fixture.h"
 #include "run/manifest.h"
 #include "run/output_paths.h"
-#include "run/scratch_folder.h"
 #include "run/stats_file.h"
 
 namespace dapple::run {
@@ -23,42 +22,6 @@ using testing::SizeIs;
 using testing_tools::file_text;
 using testing_tools::pictures_in;
 using testing_tools::ScratchFolder;
-
-class FrameLoopTest : public testing::Test {
-protected:
-    ExitCode render(const std::string& folder, const std::string& frames,
-                    Existing existing = Existing::verify, const Job& job = fake_job()) {
-        source.rendered.clear();
-        options.folder = folder;
-        options.frames = FrameSet::parse(frames);
-        options.existing = existing;
-        const Interruption interruption;
-        Reporter reporter(event_log);
-        testing::internal::CaptureStdout();
-        testing::internal::CaptureStderr();
-        try {
-            const ExitCode code = render_frames(job, source, options, interruption, reporter);
-            out = testing::internal::GetCapturedStdout();
-            warnings = testing::internal::GetCapturedStderr();
-            return code;
-        } catch (const Error& error) {
-            testing::internal::GetCapturedStdout();
-            testing::internal::GetCapturedStderr();
-            message = error.what();
-            return error.code();
-        }
-    }
-
-    FrameLoopTest() { options.encoder = "no-such-encoder"; }
-
-    ScratchFolder scratch;
-    FakeSource source;
-    LoopOptions options;
-    std::string event_log;
-    std::string message;   ///< of the Error that the last render() met
-    std::string out;       ///< what it printed
-    std::string warnings;  ///< on standard error
-};
 
 TEST_F(FrameLoopTest, FilesHaveTheSameBytesInAnyRangeOrderAndNumberOfThreads) {
     ASSERT_EQ(render(scratch / "whole", "1-6"), ExitCode::done);
@@ -313,11 +276,13 @@ TEST_F(FrameLoopTest, StatsHaveOneLineAFrameInTheirOrder) {
     std::vector<std::int64_t> frames;
     for (std::string line; std::getline(stream, line);) {
         const auto json = nlohmann::json::parse(line);
+        if (json.contains("clip")) break;
         frames.push_back(json.at("frame").get<std::int64_t>());
         EXPECT_EQ(json.at("non_finite"), source.not_finite.contains(frames.back()) ? 1 : 0);
         EXPECT_EQ(json.at("counts").at("pixels"), 16 * 9);
         EXPECT_EQ(json.at("passes").at(0).at("name"), "noise");
         EXPECT_EQ(json.at("passes").at(1).at("name"), "write");
+        EXPECT_EQ(json.at("passes").at(2).at("name"), "temporal figures");
         EXPECT_GE(json.at("wall_s").get<double>(), json.at("passes").at(1).at("wall_s").get<double>());
         EXPECT_GT(json.at("peak_memory").get<double>(), 1e6);
         const auto size = std::filesystem::file_size(scratch / "out/linear/fake.000" +
@@ -374,8 +339,9 @@ TEST_F(FrameLoopTest, EventsAreLinesOfJson) {
         events.push_back(json.at("event"));
         if (json.contains("frame")) events.back() += ' ' + json.at("frame").dump();
     }
-    EXPECT_THAT(events, ElementsAre("run_started", "frame_rendered 1", "frame_rendered 2", "run_ended",
-                                    "run_started", "frame_kept 2", "frame_rendered 3", "run_ended"));
+    EXPECT_THAT(events,
+                ElementsAre("run_started", "frame_rendered 1", "frame_rendered 2", "run_ended", "run_started",
+                            "frame_kept 2", "frame_rendered 3", "clip_measured", "run_ended"));
 }
 
 TEST_F(FrameLoopTest, ProgressIsPlainLinesWhereThereIsNoTerminal) {

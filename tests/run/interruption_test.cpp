@@ -12,6 +12,7 @@
 #include "run/child_process.h"
 #include "run/manifest.h"
 #include "run/scratch_folder.h"
+#include "run/told_figures.h"
 
 namespace dapple::run {
 namespace {
@@ -23,6 +24,8 @@ using testing_tools::ChildProcess;
 using testing_tools::pictures_in;
 using testing_tools::run_program;
 using testing_tools::ScratchFolder;
+using testing_tools::told;
+using testing_tools::Told;
 
 std::vector<std::string> fake_render(const std::string& folder, const std::string& frames,
                                      const std::vector<std::string>& more = {}) {
@@ -57,6 +60,8 @@ TEST(Kill, ResumeCompletesWithTheSameBytes) {
     ASSERT_EQ(run_program(fake_render(scratch / "whole", "1-6"), scratch / "log").code, 0);
     const auto whole = pictures_in(scratch / "whole");
     ASSERT_THAT(whole, SizeIs(12));
+    const Told figures = told(scratch / "whole");
+    ASSERT_THAT(figures.frames, SizeIs(6));
 
     std::mt19937 random(5);
     int killed = 0;
@@ -74,10 +79,11 @@ TEST(Kill, ResumeCompletesWithTheSameBytes) {
 
         ASSERT_EQ(run_program(fake_render(folder, "1-6"), scratch / "log").code, 0);
         EXPECT_TRUE(pictures_in(folder) == whole);
+        EXPECT_EQ(told(folder), figures);
         std::ifstream stats(folder + "/stats.jsonl");
-        int lines = 0;
-        for (std::string line; std::getline(stats, line);) ++lines;
-        EXPECT_EQ(lines, 6);
+        int costs = 0;
+        for (std::string line; std::getline(stats, line);) costs += line.find("wall_s") != line.npos ? 1 : 0;
+        EXPECT_EQ(costs, 6);
         for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
             EXPECT_NE(entry.path().extension(), ".tmp") << entry.path();
         }
