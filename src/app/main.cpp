@@ -43,6 +43,8 @@ int parse_and_run(int argc, char** argv) {
     add_render_verb(parser, run);
     add_validate_verb(parser, run);
     add_probe_verb(parser, run);
+    add_compare_verb(parser, run);
+    add_bench_verb(parser, run, argc, argv);
     add_info_verb(parser, run);
     try {
         parser.parse(argc, argv);
@@ -53,9 +55,10 @@ int parse_and_run(int argc, char** argv) {
         const bool known =
             !parser.get_subcommands([&](const CLI::App* verb) { return verb->get_name() == first; }).empty();
         if (!first.starts_with('-') && !known) {
-            return fail(ExitCode::usage,
-                        (first.empty() ? "a verb is missing" : "unknown verb '" + clipped(first) + "'") +
-                            "; there are render, validate, probe and info (see dapple --help)");
+            return fail(
+                ExitCode::usage,
+                (first.empty() ? "a verb is missing" : "unknown verb '" + clipped(first) + "'") +
+                    "; there are render, validate, probe, compare, bench and info (see dapple --help)");
         }
         return fail(ExitCode::usage, one_line(error.what()) + " (see --help)");
     }

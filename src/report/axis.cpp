@@ -16,7 +16,7 @@ void Axis::include(double value) {
     high_ = std::max(high_, value);
 }
 
-void Axis::finish(double share) {
+void Axis::finish(double share, Start start) {
     // Below, the range is rounding: no ticks could be told apart.
     const bool one_value = high_ - low_ <= 1e-9 * std::max(std::abs(low_), std::abs(high_));
     if (log_) {
@@ -35,7 +35,7 @@ void Axis::finish(double share) {
         high_ += half;
     }
     const double margin = share * (high_ - low_);
-    low_ = low_ >= 0 && low_ < 0.25 * high_ ? 0 : low_ - margin;
+    low_ = start == Start::zero && low_ >= 0 && low_ < 0.25 * high_ ? 0 : low_ - margin;
     high_ += margin;
 }
 

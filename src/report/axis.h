@@ -14,9 +14,10 @@ public:
     void include(double value);
     bool empty() const { return low_ > high_; }
 
-    /// Widens a single value to a range and leaves a margin of `share` at both ends, but none below 0 where
-    /// values come near to it and are never negative.
-    void finish(double share);
+    enum class Start { values, zero };
+    /// Widens a single value to a range and leaves a margin of `share` at both ends. Start::zero: a linear
+    /// axis begins at 0 where values come near to it and are never negative.
+    void finish(double share, Start start);
     /// Pixels of the ends.
     void place(double at_low, double at_high);
 

@@ -21,18 +21,18 @@ CanvasPlot::CanvasPlot(Plot plot, std::vector<Color> colors, int x, int y, int w
     assert(colors_.size() >= plot_.series.size());
     for (const Series& series : plot_.series) {
         for (const auto& [at, value] : series.points) {
-            if (!x_.shows(at) || !y_.shows(value)) continue;
-            x_.include(at);
-            y_.include(value);
+            if (!x_.shows(at)) continue;
+            x_.include(at);  // gaps too, so that plots of one clip are alike
+            if (y_.shows(value)) y_.include(value);
         }
     }
     top_ = y + kText / 2;
     bottom_ = y + height - kText - 4;
     right_ = x + width - 1 - kText;  // the last number may stand beyond the frame
     left_ = x + kText;
-    if (x_.empty()) return;
-    x_.finish(0.02);
-    y_.finish(0.08);
+    if (y_.empty()) return;
+    x_.finish(0.02, Axis::Start::values);
+    y_.finish(0.08, Axis::Start::zero);
     int widest = 0;
     for (const double tick : y_.ticks(std::max(2, (bottom_ - top_) / 28))) {
         widest = std::max(widest, text_width(kText, short_number(tick)));
@@ -43,7 +43,7 @@ CanvasPlot::CanvasPlot(Plot plot, std::vector<Color> colors, int x, int y, int w
 }
 
 void CanvasPlot::draw(Canvas& canvas) const {
-    if (x_.empty()) {
+    if (y_.empty()) {
         const std::string text = "there is nothing to show";
         canvas.text((left_ + right_ - text_width(kText, text)) / 2, (top_ + bottom_ - kText) / 2, kText,
                     kNumbers, text);
@@ -82,7 +82,7 @@ void CanvasPlot::draw(Canvas& canvas) const {
 }
 
 void CanvasPlot::draw_cursor(Canvas& canvas, double at) const {
-    if (x_.empty() || !x_.shows(at)) return;
+    if (y_.empty() || !x_.shows(at)) return;
     const double x = std::clamp(x_(at), static_cast<double>(left_), static_cast<double>(right_));
     canvas.line(x, top_, x, bottom_, kCursor);
 }

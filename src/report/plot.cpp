@@ -146,12 +146,12 @@ std::string svg(const Plot& plot) {
     Axis x(plot.log_x), y(plot.log_y);
     for (const Series& series : plot.series) {
         for (const auto& [at, value] : series.points) {
-            if (!x.shows(at) || !y.shows(value)) continue;
-            x.include(at);
-            y.include(value);
+            if (!x.shows(at)) continue;
+            x.include(at);  // gaps too, so that plots of one clip are alike
+            if (y.shows(value)) y.include(value);
         }
     }
-    if (x.empty()) {
+    if (y.empty()) {
         out +=
             text_element(plot.width / 2.0, (top + plot.height) / 2.0, "middle", "there is nothing to show");
         return out + "</svg>\n";
@@ -159,8 +159,8 @@ std::string svg(const Plot& plot) {
     for (const auto& [level, name] : plot.limits) {
         if (y.shows(level)) y.include(level);
     }
-    x.finish(plot.log_x ? 0.04 : 0.02);
-    y.finish(0.06);
+    x.finish(plot.log_x ? 0.04 : 0.02, Axis::Start::values);
+    y.finish(0.06, Axis::Start::zero);
 
     const int bottom = plot.height - 2 * kText - 16, right = plot.width - 16;
     int widest = 0;

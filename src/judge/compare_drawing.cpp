@@ -1,0 +1,80 @@
+#include "judge/compare_drawing.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cstdio>
+
+namespace dapple::judge {
+namespace {
+
+constexpr int kText = 18;  // px from line to line
+constexpr int kTag = 22;   // px
+
+}  // namespace
+
+report::Color color_of(std::size_t sequence) {
+    // After M. Okabe and K. Ito, as bright as a dark ground wants.
+    constexpr std::array<report::Color, 4> kColors{
+        {{240, 166, 24}, {96, 186, 240}, {30, 190, 140}, {226, 140, 190}}};
+    return kColors[sequence % kColors.size()];
+}
+
+std::vector<std::uint8_t> enlarged(std::span<const std::uint8_t> rgb, int width, int height, int factor) {
+    assert(rgb.size() == 3 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+    if (factor == 1) return {rgb.begin(), rgb.end()};
+    const auto times = static_cast<std::size_t>(factor);
+    const std::size_t row_bytes = 3 * static_cast<std::size_t>(width);
+    std::vector<std::uint8_t> out;
+    out.reserve(rgb.size() * times * times);
+    for (std::size_t y = 0; y < static_cast<std::size_t>(height); ++y) {
+        std::vector<std::uint8_t> row;
+        row.reserve(row_bytes * times);
+        for (std::size_t x = 0; x < static_cast<std::size_t>(width); ++x) {
+            const auto pixel = rgb.subspan(y * row_bytes + 3 * x, 3);
+            for (std::size_t i = 0; i < times; ++i) row.insert(row.end(), pixel.begin(), pixel.end());
+        }
+        for (std::size_t i = 0; i < times; ++i) out.insert(out.end(), row.begin(), row.end());
+    }
+    return out;
+}
+
+void draw_caption(report::Canvas& canvas, const Box& line, std::size_t sequence, const std::string& text) {
+    const std::string name = letter(sequence);
+    const int top = line.y + (line.height - kTag) / 2;
+    canvas.fill(line.x, top, kTag, kTag, color_of(sequence));
+    canvas.text(line.x + (kTag - report::text_width(kText, name)) / 2, top + (kTag - kText) / 2, kText,
+                kGround, name);
+    draw_line(canvas, {line.x + kTag + 8, line.y, line.width - kTag - 8, line.height}, text);
+}
+
+void draw_line(report::Canvas& canvas, const Box& line, const std::string& text) {
+    canvas.text(line.x, line.y + (line.height - kText) / 2, kText, kInk,
+                report::shortened(kText, text, line.width));
+}
+
+void draw_blank(report::Canvas& canvas, const Box& box, const std::string& why) {
+    canvas.fill(box.x, box.y, box.width, box.height, kBlank);
+    const std::string text = report::shortened(kText, why, box.width - 4);
+    canvas.text(box.x + (box.width - report::text_width(kText, text)) / 2, box.y + (box.height - kText) / 2,
+                kText, kInk, text);
+}
+
+std::string difference_name(const Survey& survey, std::size_t sequence) {
+    return "|A \u2212 " + letter(sequence) + "|" + (survey.relative ? " / mean of A" : "");
+}
+
+std::string difference_blank(const ComparedPicture& a, const ComparedPicture& b, std::size_t sequence) {
+    if (a.rgb.empty()) return "A: " + a.blank;
+    if (b.rgb.empty()) return letter(sequence) + ": " + b.blank;
+    return "";
+}
+
+std::string frame_text(const Comparison& comparison, std::int64_t frame) {
+    char time[48];
+    std::snprintf(time, sizeof time, "%.3f s",
+                  static_cast<double>(frame - comparison.first) / comparison.fps.value());
+    return "frame " + std::to_string(frame) + ", " + time;
+}
+
+}  // namespace dapple::judge
