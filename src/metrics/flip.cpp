@@ -5,6 +5,7 @@
 #include <cmath>
 #include <iterator>
 #include <optional>
+#include <utility>
 
 #include "base/parallel.h"
 #include "metrics/flip_rows.h"
@@ -68,40 +69,78 @@ void summarise(Flip& flip, const Picture& picture) {
     flip.weighted_median = weighted_median(flip.map, total);
 }
 
+/// Pairs by the indices of their pictures, each of which is there once.
+struct IndexedPairs {
+    struct Pair {
+        std::size_t picture = 0, reference = 0;
+    };
+    std::vector<const Picture*> pictures;
+    std::vector<Pair> pairs;
+
+    explicit IndexedPairs(const std::vector<FlipPair>& given) {
+        for (const auto& [picture, reference] : given) {
+            assert(picture->width == given[0].picture->width && picture->height == given[0].picture->height);
+            assert(picture->width == reference->width && picture->height == reference->height);
+            assert(picture->excluded == reference->excluded);
+            pairs.push_back({index_of(picture), index_of(reference)});
+        }
+    }
+
+private:
+    std::size_t index_of(const Picture* picture) {
+        const auto found = std::ranges::find(pictures, picture);
+        const auto index = static_cast<std::size_t>(found - pictures.begin());
+        if (found == pictures.end()) pictures.push_back(picture);
+        return index;
+    }
+};
+
+/// Raises the maps, one a pair, to FLIP of a tile at each of the exposures; no exposure stands for sRGB.
+void raise_maps(const IndexedPairs& pairs, const FlipKernels& kernels, const FlipTile& tile,
+                const std::vector<std::optional<double>>& exposures, std::vector<Flip>& flips) {
+    std::vector<FlipRows> rows;
+    rows.reserve(pairs.pictures.size());
+    for (const Picture* picture : pairs.pictures) rows.emplace_back(*picture, kernels, tile);
+    const std::size_t width = static_cast<std::size_t>(pairs.pictures[0]->width);
+    const std::size_t count = tile.right - tile.left;
+    std::vector<float> values((count + kFloatLanes - 1) / kFloatLanes * kFloatLanes);
+    for (const std::optional<double>& exposure : exposures) {
+        for (FlipRows& picture : rows) picture.start(exposure);
+        for (std::size_t y = tile.top; y < tile.bottom; ++y) {
+            for (FlipRows& picture : rows) picture.advance();
+            for (std::size_t i = 0; i < flips.size(); ++i) {
+                const auto [picture, reference] = pairs.pairs[i];
+                compare_rows(rows[picture], rows[reference], count, values.data());
+                float* const out = flips[i].map.data() + y * width + tile.left;
+                for (std::size_t x = 0; x < count; ++x) out[x] = std::max(out[x], values[x]);
+            }
+        }
+    }
+}
+
 /// The largest of the given exposures; no exposure stands for sRGB.
-Flip largest_flip(const Picture& picture, const Picture& reference,
-                  const std::vector<std::optional<double>>& exposures, double pixels_per_degree) {
-    assert(picture.width == reference.width && picture.height == reference.height);
-    assert(picture.excluded == reference.excluded);
-    const std::size_t width = static_cast<std::size_t>(picture.width);
-    const std::size_t height = static_cast<std::size_t>(picture.height);
-    const FlipKernels kernels = flip_kernels(pixels_per_degree);
+std::vector<Flip> largest_flips(const std::vector<FlipPair>& given,
+                                const std::vector<std::optional<double>>& exposures,
+                                double pixels_per_degree) {
+    std::vector<Flip> flips(given.size());
+    if (given.empty()) return flips;
+    const IndexedPairs pairs(given);
+    for (Flip& flip : flips) flip.map.resize(pairs.pictures[0]->pixels());
+    const std::size_t width = static_cast<std::size_t>(pairs.pictures[0]->width);
+    const std::size_t height = static_cast<std::size_t>(pairs.pictures[0]->height);
     const std::size_t across = (width + kTileWidth - 1) / kTileWidth;
     const std::size_t down = (height + kTileHeight - 1) / kTileHeight;
-    Flip flip;
-    flip.map.resize(picture.pixels());
+    const FlipKernels kernels = flip_kernels(pixels_per_degree);
     parallel_for(across * down, 1, [&](std::size_t index, std::size_t) {
         FlipTile tile;
         tile.left = index % across * kTileWidth;
         tile.right = std::min(width, tile.left + kTileWidth);
         tile.top = index / across * kTileHeight;
         tile.bottom = std::min(height, tile.top + kTileHeight);
-        FlipRows picture_rows(picture, kernels, tile), reference_rows(reference, kernels, tile);
-        std::vector<float> row(kTileWidth);
-        for (const std::optional<double>& exposure : exposures) {
-            picture_rows.start(exposure);
-            reference_rows.start(exposure);
-            for (std::size_t y = tile.top; y < tile.bottom; ++y) {
-                picture_rows.advance();
-                reference_rows.advance();
-                compare_rows(picture_rows, reference_rows, tile.right - tile.left, row.data());
-                float* const out = flip.map.data() + y * width + tile.left;
-                for (std::size_t x = 0; x < tile.right - tile.left; ++x) out[x] = std::max(out[x], row[x]);
-            }
-        }
+        raise_maps(pairs, kernels, tile, exposures, flips);
     });
-    summarise(flip, reference);
-    return flip;
+    for (std::size_t i = 0; i < flips.size(); ++i) summarise(flips[i], *given[i].reference);
+    return flips;
 }
 
 }  // namespace
@@ -141,18 +180,27 @@ Exposures exposures_of(const std::vector<const Picture*>& references) {
     return exposures;
 }
 
-Flip flip_ldr(const Picture& picture, const Picture& reference, double pixels_per_degree) {
-    return largest_flip(picture, reference, {std::nullopt}, pixels_per_degree);
+std::vector<Flip> flips_ldr(const std::vector<FlipPair>& pairs, double pixels_per_degree) {
+    return largest_flips(pairs, {std::nullopt}, pixels_per_degree);
 }
 
-Flip flip_hdr(const Picture& picture, const Picture& reference, const Exposures& exposures,
-              double pixels_per_degree) {
+std::vector<Flip> flips_hdr(const std::vector<FlipPair>& pairs, const Exposures& exposures,
+                            double pixels_per_degree) {
     assert(exposures.count >= 2);
     std::vector<std::optional<double>> stops;
     for (int i = 0; i < exposures.count; ++i) {
         stops.emplace_back(exposures.start + i * (exposures.stop - exposures.start) / (exposures.count - 1));
     }
-    return largest_flip(picture, reference, stops, pixels_per_degree);
+    return largest_flips(pairs, stops, pixels_per_degree);
+}
+
+Flip flip_ldr(const Picture& picture, const Picture& reference, double pixels_per_degree) {
+    return std::move(flips_ldr({{&picture, &reference}}, pixels_per_degree)[0]);
+}
+
+Flip flip_hdr(const Picture& picture, const Picture& reference, const Exposures& exposures,
+              double pixels_per_degree) {
+    return std::move(flips_hdr({{&picture, &reference}}, exposures, pixels_per_degree)[0]);
 }
 
 }  // namespace dapple::metrics

@@ -42,4 +42,17 @@ Flip flip_ldr(const Picture& picture, const Picture& reference,
 Flip flip_hdr(const Picture& picture, const Picture& reference, const Exposures& exposures,
               double pixels_per_degree = kDefaultPixelsPerDegree);
 
+/// Pictures to compare; of one size, excluding the same pixels.
+struct FlipPair {
+    const Picture* picture = nullptr;
+    const Picture* reference = nullptr;
+};
+
+/// FLIP of each pair, the same as one by one; what a picture takes is computed once, in however many pairs it
+/// stands (a frame with its reference and with the frame before it, several pictures with one reference).
+std::vector<Flip> flips_ldr(const std::vector<FlipPair>& pairs,
+                            double pixels_per_degree = kDefaultPixelsPerDegree);
+std::vector<Flip> flips_hdr(const std::vector<FlipPair>& pairs, const Exposures& exposures,
+                            double pixels_per_degree = kDefaultPixelsPerDegree);
+
 }  // namespace dapple::metrics

@@ -150,10 +150,7 @@ TEST(Flip, GrowsWithTheDifference) {
 }
 
 TEST(Flip, WeighsItsMedian) {
-    // Halves of differences p < q: the sum up to p is less than half of all, so that q is the median.
-    const Picture reference = constant(64, 8, {0.4f, 0.4f, 0.4f});
-    const Picture halves = picture_by(64, 8, [](int x, int) { return glm::vec3(x < 32 ? 0.41f : 0.6f); });
-    const Flip flip = flip_ldr(halves, reference);
+    const Flip flip = flip_ldr(eight_bit_scene(60, 50, 1, 0.5f), eight_bit_scene(60, 50, 2, 0.1f));
     std::vector<float> sorted = flip.map;
     std::ranges::sort(sorted);
     double total = 0, sum = 0;
@@ -164,6 +161,20 @@ TEST(Flip, WeighsItsMedian) {
     });
     EXPECT_EQ(static_cast<float>(flip.weighted_median), *half);
     EXPECT_GT(flip.weighted_median, flip.mean);
+}
+
+TEST(Flip, OfSeveralPairsIsThatOfEach) {
+    const Picture a = eight_bit_scene(70, 30, 1, 0.5f), b = eight_bit_scene(70, 30, 2, 0.2f);
+    const Picture c = eight_bit_scene(70, 30, 3, 0.1f);
+    const std::vector<FlipPair> pairs{{&a, &b}, {&b, &c}, {&c, &a}, {&a, &a}};
+    const std::vector<Flip> ldr = flips_ldr(pairs), hdr = flips_hdr(pairs, {-1, 1, 2});
+    ASSERT_EQ(ldr.size(), 4u);
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+        EXPECT_EQ(ldr[i].map, flip_ldr(*pairs[i].picture, *pairs[i].reference).map) << i;
+        EXPECT_EQ(hdr[i].map, flip_hdr(*pairs[i].picture, *pairs[i].reference, {-1, 1, 2}).map) << i;
+        EXPECT_EQ(ldr[i].mean == 0, i == 3);
+    }
+    EXPECT_TRUE(flips_ldr({}).empty());
 }
 
 TEST(Flip, LeavesOutExcludedPixels) {

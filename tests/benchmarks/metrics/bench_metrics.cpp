@@ -66,6 +66,13 @@ void flip_hdr(benchmark::State& state) {
     for ([[maybe_unused]] auto _ : state) benchmark::DoNotOptimize(metrics::flip_hdr(a, b, exposures));
 }
 
+/// A frame with its reference, and each with the frame before it.
+void flip_hdr_and_delta(benchmark::State& state) {
+    const Picture &a = picture(), &b = reference(), before = scene(3), reference_before = scene(4);
+    const std::vector<metrics::FlipPair> pairs{{&a, &b}, {&a, &before}, {&b, &reference_before}};
+    for ([[maybe_unused]] auto _ : state) benchmark::DoNotOptimize(metrics::flips_hdr(pairs, {-3, 3, 6}));
+}
+
 void exposures(benchmark::State& state) {
     for ([[maybe_unused]] auto _ : state) benchmark::DoNotOptimize(metrics::exposures_of({&reference()}));
 }
@@ -100,6 +107,7 @@ BENCHMARK_CAPTURE(ssim, boxes, metrics::SsimWindow::boxes)
     ->MeasureProcessCPUTime();
 BENCHMARK(flip_ldr)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime();
 BENCHMARK(flip_hdr)->Arg(2)->Arg(6)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime();
+BENCHMARK(flip_hdr_and_delta)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime();
 BENCHMARK(exposures)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime();
 BENCHMARK(read_planes)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime();
 
