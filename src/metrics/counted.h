@@ -53,9 +53,4 @@ Sums sum_counted(std::size_t pixels, const std::vector<std::uint32_t>& excluded,
     return total;
 }
 
-/// `value` as a share of `whole`: 0 where there is no value, infinite where there is no whole.
-inline double share_of(double value, double whole) {
-    return value == 0 ? 0 : value / whole;
-}
-
 }  // namespace dapple::metrics

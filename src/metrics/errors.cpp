@@ -133,7 +133,7 @@ std::size_t pixel_of(const Picture& picture, const Picture& reference, std::size
 Errors errors_of(const Picture& picture, const Picture& reference, double peak, double clip_mean) {
     assert(picture.width == reference.width && picture.height == reference.height);
     assert(picture.excluded == reference.excluded);
-    // Where the whole clip is black no error is relative to anything; the smallest floor keeps 0 / 0 out.
+    // The smallest floor keeps 0 / 0 out where the whole clip is black.
     const double floor = std::max(0.01 * clip_mean * clip_mean, std::numeric_limits<double>::min());
     const BlockRows blocks(picture, reference, floor);
     std::vector<Sums> tiles((blocks.rows() + kTileBlocks - 1) / kTileBlocks);
@@ -174,7 +174,7 @@ Errors errors_of(const Picture& picture, const Picture& reference, double peak, 
     errors.mae = total.absolute / count;
     errors.rmse = std::sqrt(total.squares / count);
     errors.block_rmse = std::sqrt(total.block_squares / (3 * static_cast<double>(counted_blocks)));
-    errors.relative_mse = clip_mean != 0 ? total.relative / count : 0;
+    errors.relative_mse = total.relative / count;
     if (total.squares > 0) errors.psnr = 10 * std::log10(peak * peak * count / total.squares);
     errors.largest = total.largest;
     if (total.largest > 0) {

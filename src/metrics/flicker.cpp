@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "metrics/counted.h"
+#include "metrics/share.h"
 
 namespace dapple::metrics {
 namespace {

@@ -77,10 +77,19 @@ TEST(Errors, RelativeErrorsHaveTheClipsFloor) {
     const Picture reference = picture_by(8, 8, [](int x, int) { return glm::vec3(x < 4 ? 0.0f : 1.0f); });
     const Picture picture = picture_by(8, 8, [](int x, int) { return glm::vec3(x < 4 ? 0.25f : 1.0f); });
     EXPECT_NEAR(errors_of(picture, reference, 1, 2).relative_mse, 0.5 * (0.0625 / 0.04), kRounding);
-    // A black clip has no relative error.
-    const Picture black = constant(8, 8, {0, 0, 0});
-    EXPECT_EQ(errors_of(picture, black, 1, 0).relative_mse, 0);
-    EXPECT_EQ(errors_of(picture, black, 1, 0).relative_bias(), 0);
+}
+
+TEST(Errors, OverBlackPassNoLimit) {
+    const Picture black = constant(8, 8, {0, 0, 0}), picture = constant(8, 8, {0.25f, 0, 0});
+    const Errors errors = errors_of(picture, black, 1, 0);
+    EXPECT_GT(errors.relative_mse, 1e300);
+    EXPECT_EQ(errors.relative_bias(), HUGE_VAL);
+    EXPECT_EQ(errors.relative_rmse(), HUGE_VAL);
+    EXPECT_EQ(errors_of(black, black, 1, 0).relative_mse, 0);
+    EXPECT_EQ(errors_of(black, black, 1, 0).relative_rmse(), 0);
+    // Layers of signed values: an error is not negative.
+    const Picture negative = constant(8, 8, {-1, -1, -1});
+    EXPECT_NEAR(errors_of(picture, negative, 1, -1).relative_mae(), (1.25 + 1 + 1) / 3, kRounding);
 }
 
 TEST(Errors, LeaveOutExcludedPixels) {
