@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cassert>
 #include <memory>
+#include <mutex>
 
 namespace dapple {
 namespace {
@@ -30,7 +31,11 @@ void set_thread_count(int count) {
 }
 
 int thread_count() {
-    if (threads == 0) set_thread_count(0);
+    // Threads of one's own (read-ahead) may ask first, at the same time.
+    static std::once_flag chosen;
+    std::call_once(chosen, [] {
+        if (threads == 0) set_thread_count(0);
+    });
     return threads;
 }
 
