@@ -43,6 +43,7 @@ int parse_and_run(int argc, char** argv) {
     add_render_verb(parser, run);
     add_validate_verb(parser, run);
     add_probe_verb(parser, run);
+    add_check_verb(parser, run);
     add_compare_verb(parser, run);
     add_bench_verb(parser, run, argc, argv);
     add_info_verb(parser, run);
@@ -58,7 +59,7 @@ int parse_and_run(int argc, char** argv) {
             return fail(
                 ExitCode::usage,
                 (first.empty() ? "a verb is missing" : "unknown verb '" + clipped(first) + "'") +
-                    "; there are render, validate, probe, compare, bench and info (see dapple --help)");
+                    "; there are render, validate, probe, check, compare, bench and info (see dapple --help)");
         }
         return fail(ExitCode::usage, one_line(error.what()) + " (see --help)");
     }

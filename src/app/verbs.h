@@ -18,6 +18,7 @@ void add_render_verb(CLI::App& app, Run& run);
 void add_validate_verb(CLI::App& app, Run& run);
 void add_info_verb(CLI::App& app, Run& run);
 void add_probe_verb(CLI::App& app, Run& run);
+void add_check_verb(CLI::App& app, Run& run);
 void add_compare_verb(CLI::App& app, Run& run);
 void add_bench_verb(CLI::App& app, Run& run, int argc,
                     const char* const* argv);  ///< the call, for its report
