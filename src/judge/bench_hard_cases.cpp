@@ -17,6 +17,8 @@ namespace {
 
 constexpr const char* kReference = "caustics={method: reference, standard_error: 0.05, most_rays: 30}";
 
+constexpr double kWhole = 0.999;  ///< share of the reference's pixels: up to edges, where samples differ
+
 std::string percent(double share) {
     char text[32];
     std::snprintf(text, sizeof text, "%+.2f %%", 100 * share);
@@ -66,21 +68,42 @@ double lost_in(const run::OutputPaths& paths) {
     return lost;
 }
 
-/// Verdict on a run that ended well, by a reference that did too.
-void compare(CaseVerdict& verdict, const CaseRun& run, const ErrorJudge& judge, double tolerance) {
+/// Light paths that the plan leaves out, with its reasons: lines such as "sun > water:T  no  because".
+std::string left_out(const std::vector<std::string>& plan) {
+    std::string text;
+    for (const std::string& line : plan) {
+        const std::size_t no = line.find("  no  ");
+        if (line.find(" > ") > no || no == std::string::npos) continue;
+        const std::size_t reason = line.find_first_not_of(' ', no + 6), path = line.find_first_not_of(' ');
+        if (reason == std::string::npos) continue;
+        text += (text.empty() ? "" : "; ") + line.substr(path, line.find("  ", path) - path) + ": " +
+                line.substr(reason);
+    }
+    return text;
+}
+
+/// Verdict on a run that ended well, by a reference that did too. `plan` gives why light paths are left out.
+template <class Plan>
+void compare(CaseVerdict& verdict, const CaseRun& run, const ErrorJudge& judge, double tolerance,
+             const Plan& plan) {
     const ClipErrors errors = judge.judge(run.paths()).errors;
     verdict.energy = errors.energy;
     verdict.l1 = errors.l1;
-    const std::string light = "light " + percent(errors.energy) + ", L1 " + percent(errors.l1).substr(1);
-    const std::string partly = run.partly();
+    verdict.reason = "light " + percent(errors.energy) + " of ±" + percent(tolerance).substr(1) + ", L1 " +
+                     percent(errors.l1).substr(1);
     if (std::abs(errors.energy) <= tolerance) {
         verdict.verdict = CaseVerdict::Verdict::holds;
-        verdict.reason = light;
-    } else if (!partly.empty()) {
-        verdict.verdict = CaseVerdict::Verdict::named;
-        verdict.reason = light + "; the plan says: " + partly;
+        return;
+    }
+    // What a plan says of receivers excuses nothing where all are answered for; where none is, the plan names
+    // the paths that it leaves out.
+    std::string why;
+    if (errors.compared < kWhole) why = errors.compared > 0 ? run.partly() : left_out(plan());
+    if (why.empty()) {
+        verdict.reason += ", and no plan says why";
     } else {
-        verdict.reason = light + ": more than " + percent(tolerance).substr(1) + ", and no plan says why";
+        verdict.verdict = CaseVerdict::Verdict::named;
+        verdict.reason += "; the plan says: " + why;
     }
 }
 
@@ -115,13 +138,16 @@ HardCase judge_hard_case(const std::string& timeline, const std::vector<std::str
     HardCase result;
     result.name = std::filesystem::path(timeline).stem().string();
     result.description = first_comment(timeline);
+    const auto overrides_of = [&](const std::string& method) {
+        std::vector<std::string> overrides = overrides_for(method, "", settings);
+        if (method == "reference") overrides.front() = kReference;
+        return overrides;
+    };
     const auto run = [&](const std::string& method) {
         CaseRun made;
         made.folder = folder + "/" + method;
-        std::vector<std::string> overrides = overrides_for(method, "", settings);
-        if (method == "reference") overrides.front() = kReference;
-        made.end =
-            renderings.render(result.name + ", " + method, timeline, overrides, {}, made.folder, false);
+        made.end = renderings.render(result.name + ", " + method, timeline, overrides_of(method), {},
+                                     made.folder, false);
         if (made.end.done()) made.manifest = run::read_manifest(made.folder + "/manifest.json");
         if (made.manifest)
             for (const auto& [number, frame] : made.manifest->frames) made.frames.push_back(number);
@@ -164,7 +190,8 @@ HardCase judge_hard_case(const std::string& timeline, const std::vector<std::str
             if (verdict.non_finite > 0) {
                 verdict.reason = std::to_string(verdict.non_finite) + " values were NaN or infinite";
             } else if (judge) {
-                compare(verdict, made, *judge, tolerance);
+                compare(verdict, made, *judge, tolerance,
+                        [&] { return renderings.plan(timeline, overrides_of(method)); });
             } else {
                 verdict.reason = "no reference: " + result.reference;
             }

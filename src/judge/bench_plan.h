@@ -31,10 +31,11 @@ struct BenchPlan {
 };
 
 struct PlanOptions {
-    std::vector<std::string> methods;   ///< empty: all but the reference
-    std::vector<std::string> ladders;   ///< as given; a method's own take the place of its default ladder
-    std::vector<std::string> settings;  ///< "path=value" for all runs; caustics.KEY for those that know KEY
-    double reference_error = 0.01;      ///< caustics.standard_error of the reference
+    std::vector<std::string> methods = {};  ///< empty: all but the reference
+    std::vector<std::string> ladders = {};  ///< as given; a method's own take the place of its default ladder
+    std::vector<std::string> settings =
+        {};                         ///< "path=value" for all runs; caustics.KEY for those that know KEY
+    double reference_error = 0.01;  ///< caustics.standard_error of the reference
 };
 
 /// Throws Error(usage) that says what would be right. Values are cut at commas outside brackets and quotes.

@@ -74,18 +74,16 @@ void add_errors(HtmlPage& page, const BenchResult& result) {
         rows.push_back({{rung.rung.name},
                         {percent(e.l1)},
                         {percent(e.l1_inside)},
-                        {percent(e.rmse)},
                         {percent(e.rmse_less_noise)},
                         {percent(e.block_rmse_less_noise)},
                         {percent(e.bias)},
                         {percent(e.energy)},
                         {text_of("%.4f", e.flip)},
-                        {e.flicker ? text_of("%.2e", *e.flicker) : "–"},
-                        {e.flicker_less_noise ? text_of("%.2e", *e.flicker_less_noise) : "–"},
+                        {e.flicker ? text_of("%.5f", e.flicker_less_noise.value_or(*e.flicker)) : "–"},
                         {text_of("%.1f", 100 * e.compared)}});
     }
-    page.table({"run", "L1 %", "L1 inside %", "RMSE %", "less noise %", "4×4 less noise %", "bias %",
-                "energy %", "HDR-FLIP", "flicker", "less noise", "compared %"},
+    page.table({"run", "L1 %", "L1 inside %", "RMSE %", "4×4 %", "bias %", "energy %", "HDR-FLIP", "flicker",
+                "compared %"},
                rows);
     for (const std::string& definition : bench_definitions(result)) page.paragraph(definition);
 }
@@ -109,7 +107,8 @@ void add_times(HtmlPage& page, const BenchResult& result) {
                 "their pictures"},
                rows);
     page.paragraph(
-        "Medians over repeats, mean over frames, without writing the files; in brackets the same times the "
+        "Medians over repeats, mean over frames, without writing the files and temporal figures, which are "
+        "the same for all; in brackets the same times the "
         "least "
         "and the largest ratio of one frame of one repeat to its median. Each repeat is a process of its own "
         "that "
@@ -126,8 +125,7 @@ void add_times(HtmlPage& page, const BenchResult& result) {
         errors.push_back(row);
     }
     page.heading("Time to an error");
-    page.table({"wall s a frame", "L1 inside 5 %", "2 %", "1 %", "RMSE less noise 5 %", "2 %", "1 %"},
-               errors);
+    page.table({"wall s a frame", "L1 inside 5 %", "2 %", "1 %", "RMSE 5 %", "2 %", "1 %"}, errors);
     page.paragraph(
         "Along straight lines in log(time), log(error) between neighbouring rungs; “≤” where the cheapest "
         "rung is "
@@ -164,6 +162,17 @@ void add_passes(HtmlPage& page, const BenchResult& result) {
     }
 }
 
+/// Pixels as squares, so that small pictures are at least 320 pixels wide.
+ErrorMap enlarged(const ErrorMap& map) {
+    const int factor = std::max(1, (320 + map.width - 1) / map.width);
+    ErrorMap large{map.frame, factor * map.width, factor * map.height, {}};
+    large.values.reserve(map.values.size() * static_cast<std::size_t>(factor * factor));
+    for (int y = 0; y < large.height; ++y)
+        for (int x = 0; x < large.width; ++x)
+            large.values.push_back(map.values[static_cast<std::size_t>(y / factor * map.width + x / factor)]);
+    return large;
+}
+
 void add_maps(HtmlPage& page, const BenchResult& result) {
     page.heading("Where the error is");
     report::Canvas scale(420, 54, {255, 255, 255});
@@ -171,7 +180,7 @@ void add_maps(HtmlPage& page, const BenchResult& result) {
     page.picture(scale.width(), scale.height(), scale.rgb(), "the scale of all maps");
     for (const RungResult& rung : result.rungs) {
         if (!rung.failure.empty()) continue;
-        const ErrorMap& map = rung.judged.map;
+        const ErrorMap map = enlarged(rung.judged.map);
         page.picture(map.width, map.height, report::heat_map(map.values, kFullError),
                      rung.rung.name + ", frame " + std::to_string(map.frame));
     }
@@ -255,13 +264,15 @@ std::vector<std::string> bench_definitions(const BenchResult& result) {
         "the squared mean; none without three consecutive frames."};
     const ReferenceNoise& noise = result.reference->noise;
     if (noise.rmse) {
-        texts.push_back("The reference's own noise is " + percent(*noise.rmse) +
-                        " % (RMSE of luminance) and about " + percent(*noise.l1) +
-                        " % (L1, were it normally distributed). “Less noise”: its mean variance, that of "
-                        "sample 0 over the number of "
-                        "samples, is taken off squared errors; 1/16 of it off those of 4×4 blocks and 3/2 of "
-                        "it off flicker, as if "
-                        "pixels and frames were independent. L1 and FLIP are with the noise.");
+        texts.push_back(
+            "The reference's own noise is " + percent(*noise.rmse) + " % (RMSE of luminance) and about " +
+            percent(*noise.l1) +
+            " % (L1, were it normally distributed). Its mean variance, that of "
+            "sample 0 over the number of "
+            "samples, is taken off the squared errors of RMSE; 1/16 of it off those of 4×4 blocks and 3/2 of "
+            "it off flicker, as if "
+            "pixels and frames were independent. L1 and FLIP are with the noise, so that an L1 below it "
+            "cannot be seen.");
     } else {
         texts.push_back("The reference's own noise in this layer is not known; nothing is taken off.");
     }

@@ -67,23 +67,37 @@ bool Renderings::fits(const std::string& folder, const std::string& timeline,
 ProcessEnd Renderings::render(const std::string& name, const std::string& timeline,
                               const std::vector<std::string>& overrides,
                               const std::vector<std::int64_t>& frames, const std::string& folder, bool anew) {
-    std::vector<std::string> arguments = {kProgram, "render", timeline, "-o", folder};
+    std::vector<std::string> arguments = call(timeline, overrides);
+    arguments.insert(arguments.end(), {"-o", folder});
     if (!frames.empty()) arguments.insert(arguments.end(), {"-f", text_of(frames)});
-    for (const std::string& setting : overrides) {
-        arguments.push_back("--set");
-        arguments.push_back(setting);
-    }
     if (anew || !fits(folder, timeline, overrides)) {
         arguments.insert(arguments.end(), {"--existing", "overwrite"});
     }
-    if (threads_ > 0) arguments.insert(arguments.end(), {"--threads", std::to_string(threads_)});
-    if (!device_name_.empty()) arguments.insert(arguments.end(), {"--device", device_name_});
     return run_process(
         arguments, [this] { return interruption_.requested(); },
         [&](const std::string& line) {
             if (line.starts_with("WARNING ")) reporter_.warning(name + ": " + line.substr(8));
             if (line.starts_with("frame ")) reporter_.status(head_ + name + ": " + line);
         });
+}
+
+std::vector<std::string> Renderings::plan(const std::string& timeline,
+                                          const std::vector<std::string>& overrides) {
+    std::vector<std::string> arguments = call(timeline, overrides), lines;
+    arguments.emplace_back("--plan");
+    run_process(
+        arguments, [this] { return interruption_.requested(); },
+        [&](const std::string& line) { lines.push_back(line); });
+    return lines;
+}
+
+std::vector<std::string> Renderings::call(const std::string& timeline,
+                                          const std::vector<std::string>& overrides) const {
+    std::vector<std::string> arguments = {kProgram, "render", timeline};
+    for (const std::string& setting : overrides) arguments.insert(arguments.end(), {"--set", setting});
+    if (threads_ > 0) arguments.insert(arguments.end(), {"--threads", std::to_string(threads_)});
+    if (!device_name_.empty()) arguments.insert(arguments.end(), {"--device", device_name_});
+    return arguments;
 }
 
 TimedRun::TimedRun(std::string name, std::string timeline, std::vector<std::string> overrides,

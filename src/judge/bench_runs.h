@@ -30,6 +30,9 @@ public:
                       const std::vector<std::string>& overrides, const std::vector<std::int64_t>& frames,
                       const std::string& folder, bool anew);
 
+    /// Lines of `render --plan` of the clip.
+    std::vector<std::string> plan(const std::string& timeline, const std::vector<std::string>& overrides);
+
     const gpu::Device& device() const { return device_; }
     int threads() const { return threads_; }
     bool interrupted() const { return interruption_.requested(); }
@@ -37,6 +40,8 @@ public:
     void set_head(std::string head) { head_ = std::move(head); }
 
 private:
+    std::vector<std::string> call(const std::string& timeline,
+                                  const std::vector<std::string>& overrides) const;
     /// Whether frames in the folder are of this job.
     bool fits(const std::string& folder, const std::string& timeline,
               const std::vector<std::string>& overrides);

@@ -53,14 +53,15 @@ struct Spread {
 };
 
 struct Timing {
-    Spread wall_s;  ///< a frame, without writing its files, which is the same work for every method
+    Spread
+        wall_s;  ///< a frame, without writing its files and its temporal figures: the same for every method
     Spread cpu_s;
     struct Pass {
         std::string name;
         Spread wall_s;
         Spread cpu_s;
     };
-    std::vector<Pass> passes;    ///< all of them, writing too
+    std::vector<Pass> passes;    ///< all of them, also those left out above
     double warm_up_s = 0;        ///< what the first frame took beyond the others' mean; median over repeats
     double start_up_s = 0;       ///< of the process outside its frames; median
     double peak_memory = 0;      ///< bytes; largest of all repeats
