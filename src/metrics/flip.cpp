@@ -188,6 +188,7 @@ std::vector<Flip> flips_hdr(const std::vector<FlipPair>& pairs, const Exposures&
                             double pixels_per_degree) {
     assert(exposures.count >= 2);
     std::vector<std::optional<double>> stops;
+    stops.reserve(static_cast<std::size_t>(exposures.count));
     for (int i = 0; i < exposures.count; ++i) {
         stops.emplace_back(exposures.start + i * (exposures.stop - exposures.start) / (exposures.count - 1));
     }

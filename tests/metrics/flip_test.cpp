@@ -13,7 +13,6 @@ namespace dapple::metrics {
 namespace {
 
 using namespace testing_pictures;
-using flip_definition::Triple;
 
 double linear(float code) {
     return flip_definition::linear_from_srgb(static_cast<double>(code));

@@ -139,7 +139,7 @@ TEST(Ssim, LeavesOutWindowsWithExcludedPixels) {
     std::vector<float> map;
     const double without = ssim(picture, reference, kBoxes, &map);
     for (std::size_t row = 0; row < 5; ++row) {
-        for (const std::size_t column : {0, 3, 4, 5, 6, 7, 8}) {
+        for (const std::size_t column : {0u, 3u, 4u, 5u, 6u, 7u, 8u}) {
             boxes += static_cast<double>(map[(4 * row + 4) * 40 + 4 * column + 4]);
         }
     }

@@ -1,5 +1,11 @@
 // What judging a frame of 1920 by 1080 costs in CPU time, all threads summed, beside the least that any
 // metric must do: read the planes from memory.
+//
+// Least of several runs on cores of 2.6 GHz (Zen 4), in ms: reading 3, errors 5, SSIM 37 (boxes 11), FLIP 80,
+// HDR-FLIP 62 an exposure and 20 for the map's figures; HDR-FLIP at 6 exposures of a frame to its reference
+// and of both to the frames before them, 910. Half of an exposure is filters, 30 ms: eight pixels of a pair
+// take 370 loads, 120 of which lie across two cache lines; at two lines a cycle that is 24 ms. The rest is
+// colours and powers.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
