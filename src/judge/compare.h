@@ -22,18 +22,18 @@ struct CompareParts {
 };
 
 struct CompareOptions {
-    std::vector<std::string> sequences;  ///< 2 to 4, as find_sequence takes them
-    std::vector<std::string> labels;     ///< one for each; empty: what tells their names apart
-    std::string video;                   ///< MP4 to write; may be empty
-    std::string sheet;                   ///< PNG to write; may be empty
-    std::optional<FrameSet> frames;      ///< shown in ascending order; default: those in all clips
-    std::optional<scene::Rational> fps;  ///< default: of the first manifest, else 24
-    color::ViewSettings view;            ///< for linear pictures; display-referred ones are shown as they are
-    double exposure = 0;                 ///< stops, of linear pictures
-    CompareParts parts;
-    std::optional<double> difference_scale;  ///< full scale of the heat maps; default: of the clip
-    std::optional<int> slice_row;            ///< default: the middle one
-    int sheet_frames = 6;                    ///< columns of the sheet, at most
+    std::vector<std::string> sequences = {};  ///< 2 to 4, as find_sequence takes them
+    std::vector<std::string> labels = {};     ///< one for each; empty: what tells their names apart
+    std::string video = {};                   ///< MP4 to write; may be empty
+    std::string sheet = {};                   ///< PNG to write; may be empty
+    std::optional<FrameSet> frames = {};      ///< shown in ascending order; default: those in all clips
+    std::optional<scene::Rational> fps = {};  ///< default: of the first manifest, else 24
+    color::ViewSettings view = {};  ///< for linear pictures; display-referred ones are shown as they are
+    double exposure = 0;            ///< stops, of linear pictures
+    CompareParts parts = {};
+    std::optional<double> difference_scale = {};  ///< full scale of the heat maps; default: of the clip
+    std::optional<int> slice_row = {};            ///< default: the middle one
+    int sheet_frames = 6;                         ///< columns of the sheet, at most
 };
 
 /// What is to be told while it works.

@@ -95,9 +95,9 @@ std::filesystem::path without_manifest(const std::string& name) {
 scene::Rational exact_rate(double fps) {
     const double whole = std::round(fps);
     if (std::abs(fps - whole) < 1e-6) return {std::llround(whole), 1};
-    // NTSC's rates are written with two to five digits.
+    // NTSC's rates are written with two digits or more.
     const double ntsc = std::round(fps * 1.001);
-    if (std::abs(fps * 1.001 - ntsc) < 1e-3) return {std::llround(ntsc) * 1000, 1001};
+    if (std::abs(fps * 1.001 - ntsc) < 5e-3) return {std::llround(ntsc) * 1000, 1001};
     return {std::llround(fps * 1000), 1000};
 }
 

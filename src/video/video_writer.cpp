@@ -41,14 +41,19 @@ std::vector<std::string> encoder_arguments(const VideoFormat& format, const std:
             "-fflags", "+bitexact", "-flags:v", "+bitexact", "-f", "mp4", "file:" + output};
 }
 
-/// A name that remove_stale_temporaries() knows.
-std::string temporary_name(const std::string& path) {
+/// A new, empty file with a name that remove_stale_temporaries() knows. The encoder would say less clearly
+/// why it cannot be.
+std::string make_temporary(const std::string& path) {
     char host[256] = {};
     if (::gethostname(host, sizeof host - 1) != 0) std::strcpy(host, "localhost");
     const std::filesystem::path target(path);
     const std::string name =
         "." + target.filename().string() + "." + host + "." + std::to_string(::getpid()) + ".tmp";
-    return (target.parent_path() / name).string();
+    const std::string temporary = (target.parent_path() / name).string();
+    const int file = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    if (file < 0) throw Error(ExitCode::output_unwritable, path + ": " + std::strerror(errno));
+    ::close(file);
+    return temporary;
 }
 
 }  // namespace
@@ -57,7 +62,7 @@ VideoWriter::VideoWriter(std::string path, const VideoFormat& format, const std:
     : path_(std::move(path)),
       format_(format),
       encoder_name_(encoder),
-      temporary_{temporary_name(path_)},
+      temporary_{make_temporary(path_)},
       encoder_(encoder_arguments(format, encoder, temporary_.path)) {
     assert(format.width > 0 && format.height > 0);
 }
@@ -86,7 +91,10 @@ bool VideoWriter::add(std::span<const std::uint8_t> rgb) {
 
 WrittenFile VideoWriter::finish() {
     if (!encoder_.finish()) {
-        throw Error(ExitCode::failure, encoder_name_ + " failed: " + encoder_.complaint());
+        const std::string complaint = encoder_.complaint();
+        const bool full = complaint.find(std::strerror(ENOSPC)) != std::string::npos;
+        throw Error(full ? ExitCode::output_unwritable : ExitCode::failure,
+                    encoder_name_ + " failed: " + complaint);
     }
     const std::vector<std::byte> bytes = read_whole_file(temporary_.path);
     const int file = ::open(temporary_.path.c_str(), O_RDONLY | O_CLOEXEC);

@@ -23,7 +23,8 @@ struct VideoFormat {
 /// is left. SIGPIPE must be ignored (run/interruption.h).
 class VideoWriter {
 public:
-    /// `encoder`: program, looked for in $PATH. Throws Error(failure) where it cannot be started.
+    /// `encoder`: program, looked for in $PATH. Throws Error(failure) where it cannot be started,
+    /// Error(output_unwritable) where no file can be made beside `path`.
     VideoWriter(std::string path, const VideoFormat& format, const std::string& encoder = "ffmpeg");
     VideoWriter(const VideoWriter&) = delete;
     VideoWriter& operator=(const VideoWriter&) = delete;
@@ -31,8 +32,8 @@ public:
     /// Interleaved 8-bit R'G'B' rows of the format's size. False where the encoder does not read any more:
     /// finish() says why.
     bool add(std::span<const std::uint8_t> rgb);
-    /// Throws Error(failure) with what the encoder complained of, Error(output_unwritable) where the file
-    /// cannot be put in place.
+    /// Throws Error with what the encoder complained of: output_unwritable where the disk is full or the file
+    /// cannot be put in place, else failure.
     WrittenFile finish();
 
 private:
