@@ -73,7 +73,9 @@ std::size_t TimelineSource::bytes(std::int64_t frame) const {
     // What the program and its libraries, lavapipe above all, take for a picture of one pixel: 104 MB,
     // measured.
     constexpr std::size_t kProgram = 100 << 20;
-    return kProgram + std::max(renderer_.bytes(state), static_cast<std::size_t>(writing));
+    // Luminance of three frames, for the figures in time.
+    const auto kept = static_cast<std::size_t>(std::min(pixels * 3 * sizeof(float), 0x1p62));
+    return kProgram + kept + std::max(renderer_.bytes(state), static_cast<std::size_t>(writing));
 }
 
 image::ExrOptions TimelineSource::linear_exr() const {
