@@ -176,7 +176,8 @@ Exposures exposures_of(const std::vector<const Picture*>& references) {
     Exposures exposures;
     exposures.start = std::log2(x / largest);
     exposures.stop = std::log2(x / middle);
-    exposures.count = static_cast<int>(std::max(2.0, std::ceil(exposures.stop - exposures.start)));
+    exposures.count = static_cast<int>(
+        std::clamp(std::ceil(exposures.stop - exposures.start), 2.0, double{kMostExposures}));
     return exposures;
 }
 

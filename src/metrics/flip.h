@@ -18,10 +18,14 @@ struct Exposures {
     int count = 2;  ///< at least 2
 };
 
+/// Most exposures that are chosen: pixels of nearly no light would ask for any number of them.
+inline constexpr int kMostExposures = 32;
+
 /// From the reference's luminance: start = log2(x / Y_max), stop = log2(x / Y_median), x where the ACES tone
 /// curve gives 0.85, count = max(2, ceil(stop - start)) (Andersson et al. 2021, section 2.1). Largest and
 /// median are of all counted pixels of all pictures given, linear Rec.709; where the median is not above 0,
 /// which the paper leaves open, it is that of the pixels above 0. Where there is none the exposure is 0.
+/// Beyond kMostExposures the steps grow instead of their number, which the paper leaves open too.
 Exposures exposures_of(const std::vector<const Picture*>& references);
 
 struct Flip {

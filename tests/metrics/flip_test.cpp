@@ -113,13 +113,13 @@ TEST(Flip, DoesNotMindWhichOfBothIsTheReference) {
 TEST(Flip, IsSeamlessAcrossTiles) {
     // A picture of several tiles, shifted: what was inside one is at the seam of others.
     const auto scene = [](int shift, std::uint64_t seed) {
-        return picture_by(530, 150, [=](int x, int y) {
+        return picture_by(530, 400, [=](int x, int y) {
             const auto index = static_cast<std::uint64_t>((y + shift) * 1000 + x + shift);
             return glm::vec3(static_cast<float>(hash_uniform(seed, 0, index, 0)));
         });
     };
     const Flip flip = flip_ldr(scene(0, 1), scene(0, 2)), shifted = flip_ldr(scene(12, 1), scene(12, 2));
-    for (std::size_t y = 30; y < 130; ++y) {
+    for (std::size_t y = 30; y < 380; ++y) {
         for (std::size_t x = 30; x < 500; ++x) {
             ASSERT_EQ(flip.map[y * 530 + x], shifted.map[(y - 12) * 530 + x - 12]) << x << ", " << y;
         }
@@ -177,20 +177,29 @@ TEST(Flip, OfSeveralPairsIsThatOfEach) {
 }
 
 TEST(Flip, LeavesOutExcludedPixels) {
-    // Far apart and otherwise equal: where nothing but excluded pixels lies, there is no difference; the mean
-    // divides by those that are counted.
-    Picture picture = constant(40, 40, {0, 0, 0}), reference = constant(40, 40, {0, 0, 0});
-    const double all_counted = flip_ldr(constant(40, 40, {1, 1, 1}), reference).mean;
-    picture = picture_by(40, 40, [](int, int y) { return glm::vec3(y < 20 ? 1.0f : 0.0f); });
-    const double half = flip_ldr(picture, reference).mean;
-    for (std::uint32_t pixel = 40 * 36; pixel < 1600; ++pixel) {
+    // White against black in the upper half; of its two last rows, excluded, the map says 0 and the mean
+    // knows nothing.
+    Picture picture = picture_by(40, 40, [](int, int y) { return glm::vec3(y < 20 ? 1.0f : 0.0f); });
+    Picture reference = constant(40, 40, {0, 0, 0});
+    for (std::uint32_t pixel = 40 * 18; pixel < 40 * 20; ++pixel) {
         exclude(picture, pixel);
         exclude(reference, pixel);
     }
-    // The last rows are black in both, so that excluding them takes 160 zeros (to what the blur leaves there)
-    // from the mean.
-    EXPECT_NEAR(flip_ldr(picture, reference).mean, half * 1600 / 1440, 1e-4);
-    EXPECT_LT(half, all_counted);
+    const Flip flip = flip_ldr(picture, reference);
+    // As black in both, which enters their neighbours' blur.
+    const Picture shorter = picture_by(40, 40, [](int, int y) { return glm::vec3(y < 18 ? 1.0f : 0.0f); });
+    std::vector<float> expected = flip_ldr(shorter, constant(40, 40, {0, 0, 0})).map;
+    double sum = 0;
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+        const bool excluded = i >= 40 * 18 && i < 40 * 20;
+        if (excluded) {
+            EXPECT_GT(expected[i], 0.05f);  // or else there was nothing to leave out
+            expected[i] = 0;
+        }
+        sum += static_cast<double>(expected[i]);
+    }
+    EXPECT_EQ(flip.map, expected);
+    EXPECT_NEAR(flip.mean, sum / (1600 - 80), 1e-6);  // of rounding
 }
 
 TEST(HdrFlip, AgreesWithTheDefinition) {
@@ -271,6 +280,14 @@ TEST(Exposures, DoWithoutAMedian) {
     EXPECT_EQ(exposures_of({&black}).start, 0);
     EXPECT_EQ(exposures_of({&black}).stop, 0);
     EXPECT_EQ(exposures_of({}).count, 2);
+}
+
+TEST(Exposures, AreNotMoreThanTheMost) {
+    // Over 30 decades, 100 stops.
+    const Picture picture = picture_by(8, 1, [](int x, int) { return glm::vec3(x == 0 ? 1e10f : 1e-20f); });
+    const Exposures exposures = exposures_of({&picture});
+    EXPECT_GT(exposures.stop - exposures.start, 99);
+    EXPECT_EQ(exposures.count, kMostExposures);
 }
 
 TEST(Exposures, CoverAllReferences) {
