@@ -85,8 +85,7 @@ public:
 private:
     void plan() {
         if (!options_.hard_cases.empty()) case_files_ = hard_case_files(options_.hard_cases);
-        for (const std::string& method : options_.plan.methods)
-            overrides_for(method, "", options_.plan.settings);
+        methods_ = methods_of(options_.plan);
         if (options_.timeline.empty()) return;
         plan_ = plan_bench(options_.timeline, options_.plan);
         const auto timeline = timeline::Timeline::load(options_.timeline, plan_.reference_overrides);
@@ -231,12 +230,10 @@ private:
     }
 
     bool hard_cases() {
-        const std::vector<std::string> methods =
-            options_.plan.methods.empty() ? judged_methods() : options_.plan.methods;
         for (const std::string& file : case_files_) {
             const std::string name = std::filesystem::path(file).stem().string();
             HardCase judged =
-                judge_hard_case(file, methods, {}, options_.folder + "/hard_cases/" + name, renderings_);
+                judge_hard_case(file, methods_, options_.folder + "/hard_cases/" + name, renderings_);
             if (renderings_.interrupted()) return false;
             for (const CaseVerdict& verdict : judged.verdicts)
                 reporter_.note(name + ", " + verdict.method + ": " + to_string(verdict.verdict) + ", " +
@@ -280,7 +277,7 @@ private:
     scene::Clip clip_;
     std::vector<std::int64_t> frames_;
     std::vector<TimedRun> runs_;
-    std::vector<std::string> case_files_;
+    std::vector<std::string> methods_, case_files_;
     BenchResult result_;
 };
 

@@ -133,15 +133,12 @@ std::vector<std::string> hard_case_files(const std::string& folder) {
 }
 
 HardCase judge_hard_case(const std::string& timeline, const std::vector<std::string>& methods,
-                         const std::vector<std::string>& settings, const std::string& folder,
-                         Renderings& renderings) {
+                         const std::string& folder, Renderings& renderings) {
     HardCase result;
     result.name = std::filesystem::path(timeline).stem().string();
     result.description = first_comment(timeline);
-    const auto overrides_of = [&](const std::string& method) {
-        std::vector<std::string> overrides = overrides_for(method, "", settings);
-        if (method == "reference") overrides.front() = kReference;
-        return overrides;
+    const auto overrides_of = [](const std::string& method) {
+        return method == "reference" ? std::vector<std::string>{kReference} : overrides_for(method, "", {});
     };
     const auto run = [&](const std::string& method) {
         CaseRun made;
@@ -160,7 +157,7 @@ HardCase judge_hard_case(const std::string& timeline, const std::vector<std::str
     double tolerance = kEnergyTolerance;
     if (reference.manifest) {
         judge.emplace(reference.paths(), reference.frames, "E",
-                      timeline::Timeline::load(timeline, settings).clip().samples);
+                      timeline::Timeline::load(timeline, overrides_of("reference")).clip().samples);
         const double noise = judge->noise().rmse.value_or(0);
         const double pixels = static_cast<double>(reference.manifest->clip.width) *
                               reference.manifest->clip.height * static_cast<double>(reference.frames.size());

@@ -37,11 +37,9 @@ struct HardCase {
 std::vector<std::string> hard_case_files(const std::string& folder);
 
 /// Renders one case by the reference (to 5 %, or 30 million rays a light) and each method into
-/// FOLDER/METHOD, and judges them. Fewer verdicts where it is interrupted. `settings`: "path=value" for
-/// all, those of the caustics for methods that know them.
+/// FOLDER/METHOD, and judges them. Fewer verdicts where it is interrupted.
 HardCase judge_hard_case(const std::string& timeline, const std::vector<std::string>& methods,
-                         const std::vector<std::string>& settings, const std::string& folder,
-                         Renderings& renderings);
+                         const std::string& folder, Renderings& renderings);
 
 /// Light that a method may lose or gain against the reference: 1 %, beside three standard errors of the sum.
 inline constexpr double kEnergyTolerance = 0.01;

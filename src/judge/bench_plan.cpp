@@ -123,12 +123,7 @@ std::vector<Ladder> ladders_of(const PlanOptions& options, const scene::FrameSta
         given.push_back(parse_ladder(text));
         check_method(given.back().method);
     }
-    const std::vector<std::string> methods = options.methods.empty() ? judged_methods() : options.methods;
-    for (const std::string& method : methods) {
-        check_method(method);
-        if (std::count(methods.begin(), methods.end(), method) > 1)
-            wrong("--methods names " + method + " twice");
-    }
+    const std::vector<std::string> methods = methods_of(options);
     for (const Ladder& ladder : given) {
         if (std::find(methods.begin(), methods.end(), ladder.method) == methods.end()) {
             wrong("--ladder is for " + ladder.method + ", which --methods leaves out");
@@ -172,6 +167,16 @@ std::vector<std::string> judged_methods() {
     for (const std::string_view method : all_methods())
         if (method != kReference) methods.emplace_back(method);
     return methods;
+}
+
+std::vector<std::string> methods_of(const PlanOptions& options) {
+    const std::vector<std::string>& methods = options.methods;
+    for (const std::string& method : methods) {
+        check_method(method);
+        if (std::count(methods.begin(), methods.end(), method) > 1)
+            wrong("--methods names " + method + " twice");
+    }
+    return methods.empty() ? judged_methods() : methods;
 }
 
 Ladder default_ladder(const std::string& method, const scene::FrameState& state) {

@@ -44,6 +44,9 @@ Ladder parse_ladder(const std::string& text);
 /// Names of the methods that can be judged: all of the schema but the reference.
 std::vector<std::string> judged_methods();
 
+/// The methods that are asked for. Throws Error(usage) for unknown ones and one named twice.
+std::vector<std::string> methods_of(const PlanOptions& options);
+
 /// What a method is run over where nothing is said. `state`: of the clip's first frame.
 Ladder default_ladder(const std::string& method, const scene::FrameState& state);
 

@@ -1,5 +1,6 @@
 #include "judge/bench_runs.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -117,12 +118,17 @@ TimedRun::TimedRun(std::string name, std::string timeline, std::vector<std::stri
     if (!known.is_object() || known.value("identity", "") != identity_ || !known.contains("repeats")) return;
     repeats_ = repeats_from_json(known.at("repeats").dump()).value_or(std::vector<Repeat>{});
     // Times without their pictures are of no use.
+    if (!holds_pictures()) repeats_.clear();
+}
+
+bool TimedRun::holds_pictures() const {
     const auto held = manifest();
-    for (const std::int64_t frame : frames_) {
-        if (held && held->frames.contains(frame)) continue;
-        repeats_.clear();
-        return;
-    }
+    if (!held) return false;
+    const run::OutputPaths paths(folder_, held->clip.name);
+    return std::all_of(frames_.begin(), frames_.end(), [&](std::int64_t frame) {
+        const auto entry = held->frames.find(frame);
+        return entry != held->frames.end() && run::matches(paths.linear(frame), entry->second.linear, true);
+    });
 }
 
 std::optional<run::Manifest> TimedRun::manifest() const {

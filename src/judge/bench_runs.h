@@ -74,6 +74,8 @@ public:
     double mean_process_s() const;  ///< 0 before the first repeat
 
 private:
+    /// Whether the last repeat's pictures are there, whole.
+    bool holds_pictures() const;
     void save() const;
     std::string timings_file() const { return folder_ + "/timings.json"; }
 
