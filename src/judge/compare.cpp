@@ -92,13 +92,14 @@ void tell_blanks(const Survey& survey, const CompareListener& listener) {
 /// The second reading: composes the video and the sheet, or the sheet alone. False where it was stopped.
 bool compose_all(const CompareOptions& options, const Comparison& comparison, const Look& look,
                  const Survey& survey, const Layout& layout, const CompareListener& listener) {
+    const std::string view = comparison.graded ? look.description() : "code values as they are";
     std::optional<Composer> composer;
     std::optional<video::VideoWriter> writer;
     std::optional<Sheet> sheet;
-    if (!options.sheet.empty()) sheet.emplace(comparison, survey, options.sheet_frames, look.description());
+    if (!options.sheet.empty()) sheet.emplace(comparison, survey, options.sheet_frames, view);
     std::vector<std::size_t> indices;
     if (!options.video.empty()) {
-        composer.emplace(comparison, survey, layout, look.description());
+        composer.emplace(comparison, survey, layout, view);
         writer.emplace(options.video,
                        video::VideoFormat{layout.width, layout.height, comparison.fps.numerator,
                                           comparison.fps.denominator});

@@ -80,6 +80,7 @@ void look_at_pictures(Comparison& comparison) {
                         " is " + size_text(width, height)));
         }
         comparison.displayed |= read.display_referred;
+        comparison.graded |= !read.display_referred;
     }
 }
 

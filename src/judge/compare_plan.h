@@ -22,6 +22,7 @@ struct Comparison {
     /// At least one sequence is display-referred: luminance is then Rec.709 luma of code values in all of
     /// them, after grading, since light and code values cannot be compared.
     bool displayed = false;
+    bool graded = false;  ///< at least one is linear and is graded to be shown
     int slice_row = 0;
 };
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-#include "report/heat_map.h"
+#include "report/ticks.h"
 
 namespace dapple::report {
 namespace {
@@ -34,12 +34,16 @@ CanvasPlot::CanvasPlot(Plot plot, std::vector<Color> colors, int x, int y, int w
     x_.finish(0.02, Axis::Start::values);
     y_.finish(0.08, Axis::Start::zero);
     int widest = 0;
-    for (const double tick : y_.ticks(std::max(2, (bottom_ - top_) / 28))) {
-        widest = std::max(widest, text_width(kText, short_number(tick)));
+    for (const std::string& label : tick_labels(y_.ticks(most_y_ticks()))) {
+        widest = std::max(widest, text_width(kText, label));
     }
     left_ = x + widest + 8;
     x_.place(left_, right_);
     y_.place(bottom_, top_);
+}
+
+int CanvasPlot::most_y_ticks() const {
+    return std::max(2, (bottom_ - top_) / 28);
 }
 
 void CanvasPlot::draw(Canvas& canvas) const {
@@ -49,17 +53,21 @@ void CanvasPlot::draw(Canvas& canvas) const {
                     kNumbers, text);
         return;
     }
-    for (const double tick : x_.ticks(std::max(2, (right_ - left_) / 70))) {
-        const std::string number = short_number(tick);
-        canvas.line(x_(tick), top_, x_(tick), bottom_, kGrid);
-        canvas.text(static_cast<int>(x_(tick)) - text_width(kText, number) / 2, bottom_ + 4, kText, kNumbers,
-                    number);
+    const std::vector<double> x_ticks = x_.ticks(std::max(2, (right_ - left_) / 70));
+    const std::vector<std::string> x_labels = tick_labels(x_ticks);
+    for (std::size_t i = 0; i < x_ticks.size(); ++i) {
+        const double at = x_(x_ticks[i]);
+        canvas.line(at, top_, at, bottom_, kGrid);
+        canvas.text(static_cast<int>(at) - text_width(kText, x_labels[i]) / 2, bottom_ + 4, kText, kNumbers,
+                    x_labels[i]);
     }
-    for (const double tick : y_.ticks(std::max(2, (bottom_ - top_) / 28))) {
-        const std::string number = short_number(tick);
-        canvas.line(left_, y_(tick), right_, y_(tick), kGrid);
-        canvas.text(left_ - 6 - text_width(kText, number), static_cast<int>(y_(tick)) - kText / 2, kText,
-                    kNumbers, number);
+    const std::vector<double> y_ticks = y_.ticks(most_y_ticks());
+    const std::vector<std::string> y_labels = tick_labels(y_ticks);
+    for (std::size_t i = 0; i < y_ticks.size(); ++i) {
+        const double at = y_(y_ticks[i]);
+        canvas.line(left_, at, right_, at, kGrid);
+        canvas.text(left_ - 6 - text_width(kText, y_labels[i]), static_cast<int>(at) - kText / 2, kText,
+                    kNumbers, y_labels[i]);
     }
     canvas.fill(left_, top_, right_ - left_ + 1, 1, kFrame);
     canvas.fill(left_, bottom_, right_ - left_ + 1, 1, kFrame);

@@ -19,6 +19,8 @@ public:
     void draw_cursor(Canvas& canvas, double at) const;
 
 private:
+    int most_y_ticks() const;
+
     Plot plot_;
     std::vector<Color> colors_;
     Axis x_, y_;

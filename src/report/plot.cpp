@@ -9,6 +9,7 @@
 #include "report/canvas.h"
 #include "report/heat_map.h"
 #include "report/html_page.h"
+#include "report/ticks.h"
 
 namespace dapple::report {
 namespace {
@@ -105,18 +106,28 @@ void draw_series(const Series& series, std::size_t number, const Axis& x, const 
     }
 }
 
+int most_y_ticks(int top, int bottom) {
+    return std::max(2, (bottom - top) / 30);
+}
+
 /// Grid, ticks and their numbers, frame and labels of axes that have been placed.
 std::string axes(const Plot& plot, const Axis& x, const Axis& y, int left, int top, int right, int bottom) {
     std::string out;
     for (const double tick : x.fine_ticks()) out += line_element(x(tick), top, x(tick), bottom, kFineGrid);
     for (const double tick : y.fine_ticks()) out += line_element(left, y(tick), right, y(tick), kFineGrid);
-    for (const double tick : x.ticks(std::max(2, (right - left) / 80))) {
-        out += line_element(x(tick), top, x(tick), bottom, kGrid);
-        out += text_element(x(tick), bottom + kText + 3, "middle", short_number(tick));
+    const std::vector<double> x_ticks = x.ticks(std::max(2, (right - left) / 80));
+    const std::vector<std::string> x_labels = tick_labels(x_ticks);
+    for (std::size_t i = 0; i < x_ticks.size(); ++i) {
+        const double at = x(x_ticks[i]);
+        out += line_element(at, top, at, bottom, kGrid);
+        out += text_element(at, bottom + kText + 3, "middle", x_labels[i]);
     }
-    for (const double tick : y.ticks(std::max(2, (bottom - top) / 30))) {
-        out += line_element(left, y(tick), right, y(tick), kGrid);
-        out += text_element(left - 6, y(tick) + 4, "end", short_number(tick));
+    const std::vector<double> y_ticks = y.ticks(most_y_ticks(top, bottom));
+    const std::vector<std::string> y_labels = tick_labels(y_ticks);
+    for (std::size_t i = 0; i < y_ticks.size(); ++i) {
+        const double at = y(y_ticks[i]);
+        out += line_element(left, at, right, at, kGrid);
+        out += text_element(left - 6, at + 4, "end", y_labels[i]);
     }
     out += "<rect x=\"" + px(left) + "\" y=\"" + px(top) + "\" width=\"" + px(right - left) + "\" height=\"" +
            px(bottom - top) + "\" fill=\"none\" stroke=\"#7d848e\"/>\n";
@@ -164,8 +175,8 @@ std::string svg(const Plot& plot) {
 
     const int bottom = plot.height - 2 * kText - 16, right = plot.width - 16;
     int widest = 0;
-    for (const double tick : y.ticks(std::max(2, (bottom - top) / 30))) {
-        widest = std::max(widest, text_width(kText, short_number(tick)));
+    for (const std::string& label : tick_labels(y.ticks(most_y_ticks(top, bottom)))) {
+        widest = std::max(widest, text_width(kText, label));
     }
     const int left = widest + 34;
     x.place(left, right);

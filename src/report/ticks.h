@@ -1,4 +1,5 @@
 #pragma once
+#include <string>
 #include <vector>
 
 /// Round numbers for the axes of plots.
@@ -18,5 +19,8 @@ std::vector<double> linear_ticks(Range range, int most);
 /// also their doubles and fivefolds, and round multiples where even these are fewer than two; every second,
 /// third, ... power of ten where there are more than `most`.
 std::vector<double> log_ticks(Range range, int most);
+
+/// Ticks as text, with as many digits as they have.
+std::vector<std::string> tick_labels(const std::vector<double>& ticks);
 
 }  // namespace dapple::report

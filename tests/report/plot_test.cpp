@@ -64,6 +64,14 @@ TEST(Ticks, LogarithmicOnesAreDecadesOrFiner) {
     EXPECT_THAT(log_ticks({2.2, 2.9}, 4), ElementsAre(2.2, 2.4, 2.6, 2.8));
 }
 
+TEST(Ticks, LabelsHaveTheDigitsThatTellThemApart) {
+    EXPECT_THAT(tick_labels({0, 0.2, 0.4}), ElementsAre("0", "0.2", "0.4"));
+    EXPECT_THAT(tick_labels({0.3405, 0.341, 0.3415}), ElementsAre("0.3405", "0.341", "0.3415"));
+    EXPECT_THAT(tick_labels({1000, 1001, 1002}), ElementsAre("1000", "1001", "1002"));
+    EXPECT_THAT(tick_labels({1e-6, 1e-3, 1, 1e6}), ElementsAre("1e-06", "0.001", "1", "1e+06"));
+    EXPECT_THAT(tick_labels({-10.00002, -10}), ElementsAre("-10.00002", "-10"));
+}
+
 TEST(Plot, PointsStandWhereTheAxesSay) {
     Plot plot{.title = "t",
               .x_label = "frame",
