@@ -216,6 +216,14 @@ TEST_F(TemporalFiguresTest, AFrameThatIsRenderedDifferentlyRefreshesItsNeighbour
         return Json::parse(told.frames.at(frame)).at("inputs");
     };
     EXPECT_EQ(inputs(after, 5), inputs(before, 5));
+
+    // Where there is no time to measure anew, what no longer holds goes: 4 waits for 5.
+    source.flash = {{3, 1.0f}};
+    source.slow = {5};
+    source.steps_before_stop = 4;
+    ASSERT_EQ(render(scratch / "out", "3,5", Existing::overwrite), ExitCode::interrupted);
+    EXPECT_FALSE(told(scratch / "out").frames.contains(4));
+    EXPECT_TRUE(told(scratch / "out").frames.contains(3));
 }
 
 TEST_F(TemporalFiguresTest, OfAPictureThatIsGoneAreMissing) {
