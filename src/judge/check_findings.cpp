@@ -126,19 +126,38 @@ void add_repeats(const FrameMeasurer::Found& found, CheckResult& result) {
     }
 }
 
-std::set<std::int64_t> add_shifts(CheckResult& result) {
+/// Frames shifted alike, one after another, are one finding. A repeated frame of moving water looks shifted
+/// too, and has its own name.
+std::set<std::int64_t> add_shifts(const FrameMeasurer::Found& found, CheckResult& result) {
+    constexpr double kAlike = 0.25;  // pixels
     std::set<std::int64_t> shifted;
-    std::vector<Finding> findings;
-    for (const FrameFigures& figures : result.frames) {
-        if (!figures.shift) continue;
-        shifted.insert(figures.frame);
-        // To a tenth, so that frames shifted alike are one finding.
+    const FrameFigures* run = nullptr;
+    std::int64_t last = 0;
+    const auto end_run = [&] {
+        if (run == nullptr) return;
         char text[100];
-        std::snprintf(text, sizeof text, "is shifted by (%.1f, %.1f) pixels against the reference",
-                      figures.shift->dx, figures.shift->dy);
-        findings.push_back({FindingKind::shift, figures.frame, std::nullopt, std::nullopt, text});
+        std::snprintf(text, sizeof text, "is shifted by (%.2f, %.2f) pixels against the reference",
+                      run->shift->dx, run->shift->dy);
+        Finding finding{FindingKind::shift, run->frame, std::nullopt, std::nullopt, text};
+        if (last != run->frame) finding.last_frame = last;
+        result.findings.push_back(std::move(finding));
+        run = nullptr;
+    };
+    for (const FrameFigures& figures : result.frames) {
+        const bool repeated = std::ranges::find(found.repeats, figures.frame) != found.repeats.end();
+        if (!figures.shift || repeated) {
+            end_run();
+            continue;
+        }
+        shifted.insert(figures.frame);
+        if (run != nullptr && (std::abs(figures.shift->dx - run->shift->dx) > kAlike ||
+                               std::abs(figures.shift->dy - run->shift->dy) > kAlike)) {
+            end_run();
+        }
+        if (run == nullptr) run = &figures;
+        last = figures.frame;
     }
-    for (Finding& finding : joined(std::move(findings))) result.findings.push_back(std::move(finding));
+    end_run();
     return shifted;
 }
 
@@ -268,7 +287,7 @@ void add_findings(const FrameMeasurer::Found& found, std::vector<Finding> findin
     });
     result.findings = joined(std::move(findings));
     add_repeats(found, result);
-    const std::set<std::int64_t> shifted = add_shifts(result);
+    const std::set<std::int64_t> shifted = add_shifts(found, result);
     std::vector<std::int64_t> jumps;
     for (const Jump& jump : found.jumps) {
         const auto explained = [&](std::int64_t frame) {

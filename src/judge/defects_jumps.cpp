@@ -395,6 +395,9 @@ void JumpFinder::judge_lone(std::size_t index) {
     Signals& signals = signals_[index];
     const std::optional<Jump> jump = find_lone(index);
     if (!jump) return;
+    // A step into or out of the frame makes one side of what motion does by itself.
+    const bool beside_step = (step_score(index) >= 1) != (step_score(index + 1) >= 1);
+    if (beside_step && jump->kind == Jump::Kind::pop && jump->score < kSingle) return;
     // A much stronger jump beside it shows here too.
     if (index > 0 && signals_[index - 1].alone && jump->score < signals_[index - 1].alone_score / 2) return;
     if (index + 1 < signals_.size()) {
@@ -406,6 +409,17 @@ void JumpFinder::judge_lone(std::size_t index) {
     jumps_.push_back(*jump);
 }
 
+/// How far the frame's mean change exceeds the usual one, 1 at the threshold of a step.
+double JumpFinder::step_score(std::size_t index) const {
+    if (index >= signals_.size() || !signals_[index].mean_change) return 0;
+    std::vector<float> around;
+    for (const std::size_t i : near(&Signals::change, {index, index})) {
+        around.push_back(static_cast<float>(*signals_[i].mean_change));
+    }
+    if (around.size() < 2) return 0;
+    return *signals_[index].mean_change / (kStep * static_cast<double>(second_largest(around)) + kFrameFloor);
+}
+
 void JumpFinder::judge_step(std::size_t index) {
     const Signals& signals = signals_[index];
     // A frame that shows alone explains the change into it and out of it; after a repeat two steps come at
@@ -415,11 +429,7 @@ void JumpFinder::judge_step(std::size_t index) {
     const Touched changes{index, index};
     const std::vector<std::size_t> nearest = near(&Signals::change, changes);
     if (nearest.size() < 2) return;
-    std::vector<float> changes_around;
-    for (const std::size_t i : nearest)
-        changes_around.push_back(static_cast<float>(*signals_[i].mean_change));
-    const auto most = static_cast<double>(second_largest(changes_around));
-    const double score = *signals.mean_change / (kStep * most + kFrameFloor);
+    const double score = step_score(index);
     if (score >= 1) {
         jumps_.push_back({Jump::Kind::step, signals.frame, score, {0, 0, width_, height_}});
         return;

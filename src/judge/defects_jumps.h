@@ -106,6 +106,7 @@ private:
     void judge_lone(std::size_t index);
     void judge_step(std::size_t index);
     double flash_score(std::size_t index) const;
+    double step_score(std::size_t index) const;
     double lone_score(std::size_t index, std::size_t block, const std::vector<std::size_t>& near_changes,
                       const std::vector<std::size_t>& near_bends) const;
     double explained_share(std::size_t index, const std::vector<std::size_t>& blocks) const;

@@ -45,7 +45,7 @@ protected:
 TEST_F(ExitCode, Of2IsAWrongCall) {
     expect_failure(run_dapple(scratch, {}), 2, "a verb is missing");
     expect_failure(run_dapple(scratch, {"rendr"}), 2,
-                   "unknown verb 'rendr'; there are render, validate, probe and info");
+                   "unknown verb 'rendr'; there are render, validate, probe, check, compare, bench and info");
     expect_failure(run_dapple(scratch, {"render"}), 2, "timeline is required");
     expect_failure(run_dapple(scratch, {"render", kSmall, "--colour"}), 2, "--colour");
     expect_failure(render({"-f", "1:3"}), 2, "write 1-10x2");
