@@ -117,15 +117,12 @@ void add_times(HtmlPage& page, const BenchResult& result) {
         "start-up the process outside its frames. Repeats of all runs take turns.");
 
     std::vector<std::vector<Cell>> errors;
-    for (std::size_t i = 0; i < result.ladders.size(); ++i) {
-        std::vector<Cell> row = {{result.ladders[i].name()}};
-        for (const double error : kErrorsOfInterest) row.push_back({to_string(time_to_l1(result, i, error))});
-        for (const double error : kErrorsOfInterest)
-            row.push_back({to_string(time_to_rmse(result, i, error))});
-        errors.push_back(row);
+    for (const std::vector<std::string>& row : times_to_errors(result)) {
+        errors.emplace_back();
+        for (const std::string& text : row) errors.back().push_back({text});
     }
     page.heading("Time to an error");
-    page.table({"wall s a frame", "L1 inside 5 %", "2 %", "1 %", "RMSE 5 %", "2 %", "1 %"}, errors);
+    page.table({"a frame", "L1 inside 5 %", "2 %", "1 %", "RMSE 5 %", "2 %", "1 %"}, errors);
     page.paragraph(
         "Along straight lines in log(time), log(error) between neighbouring rungs; “≤” where the cheapest "
         "rung is "
@@ -175,8 +172,9 @@ ErrorMap enlarged(const ErrorMap& map) {
 
 void add_maps(HtmlPage& page, const BenchResult& result) {
     page.heading("Where the error is");
-    report::Canvas scale(420, 54, {255, 255, 255});
-    report::draw_scale(scale, 8, 4, 400, 46, kFullError, "|difference of luminance| / mean of the reference");
+    report::Canvas scale(420, 44, {24, 24, 28});
+    report::draw_scale(scale, 10, 5, 400, 34, kFullError,
+                       "|difference of luminance| / mean of the reference");
     page.picture(scale.width(), scale.height(), scale.rgb(), "the scale of all maps");
     for (const RungResult& rung : result.rungs) {
         if (!rung.failure.empty()) continue;
@@ -232,12 +230,34 @@ void add_hard_cases(HtmlPage& page, const BenchResult& result) {
 
 }  // namespace
 
-TimeToError time_to_l1(const BenchResult& result, std::size_t ladder, double error) {
-    return time_to_error(points_of(result, ladder, &Timing::wall_s, &ClipErrors::l1_inside), error);
+namespace {
+
+TimeMember member_of(Clock clock) {
+    return clock == Clock::wall ? &Timing::wall_s : &Timing::cpu_s;
 }
 
-TimeToError time_to_rmse(const BenchResult& result, std::size_t ladder, double error) {
-    return time_to_error(points_of(result, ladder, &Timing::wall_s, &ClipErrors::rmse_less_noise), error);
+}  // namespace
+
+TimeToError time_to_l1(const BenchResult& result, std::size_t ladder, Clock clock, double error) {
+    return time_to_error(points_of(result, ladder, member_of(clock), &ClipErrors::l1_inside), error);
+}
+
+TimeToError time_to_rmse(const BenchResult& result, std::size_t ladder, Clock clock, double error) {
+    return time_to_error(points_of(result, ladder, member_of(clock), &ClipErrors::rmse_less_noise), error);
+}
+
+std::vector<std::vector<std::string>> times_to_errors(const BenchResult& result) {
+    std::vector<std::vector<std::string>> rows;
+    for (std::size_t i = 0; i < result.ladders.size(); ++i) {
+        for (const Clock clock : {Clock::wall, Clock::cpu}) {
+            rows.push_back({result.ladders[i].name() + (clock == Clock::wall ? ": wall" : ": CPU")});
+            for (const double error : kErrorsOfInterest)
+                rows.back().push_back(to_string(time_to_l1(result, i, clock, error)));
+            for (const double error : kErrorsOfInterest)
+                rows.back().push_back(to_string(time_to_rmse(result, i, clock, error)));
+        }
+    }
+    return rows;
 }
 
 std::string to_string(const TimeToError& time) {

@@ -65,8 +65,8 @@ Json to_json(const TimeToError& time) {
     const char* state = time.state == TimeToError::State::reached    ? "reached"
                         : time.state == TimeToError::State::by_first ? "by_first"
                                                                      : "not_reached";
-    return {{"state", state},
-            {"wall_s", time.state == TimeToError::State::not_reached ? Json(nullptr) : Json(time.seconds)}};
+    const bool reached = time.state != TimeToError::State::not_reached;
+    return {{"state", state}, {"seconds", reached ? Json(time.seconds) : Json(nullptr)}};
 }
 
 Json to_json(const RungResult& result, const BenchResult& all) {
@@ -200,10 +200,15 @@ std::string bench_json(const BenchResult& result) {
         Json ladders = Json::array(), rungs = Json::array();
         for (std::size_t i = 0; i < result.ladders.size(); ++i) {
             Json times = Json::array();
-            for (const double error : kErrorsOfInterest)
-                times.push_back({{"error", error},
-                                 {"l1_inside", to_json(time_to_l1(result, i, error))},
-                                 {"rmse_less_noise", to_json(time_to_rmse(result, i, error))}});
+            for (const double error : kErrorsOfInterest) {
+                Json entry = {{"error", error}};
+                for (const Clock clock : {Clock::wall, Clock::cpu}) {
+                    entry[clock == Clock::wall ? "wall" : "cpu"] = {
+                        {"l1_inside", to_json(time_to_l1(result, i, clock, error))},
+                        {"rmse_less_noise", to_json(time_to_rmse(result, i, clock, error))}};
+                }
+                times.push_back(std::move(entry));
+            }
             ladders.push_back({{"method", result.ladders[i].method},
                                {"key", result.ladders[i].key},
                                {"values", result.ladders[i].values},
@@ -246,15 +251,8 @@ std::string bench_text(const BenchResult& result) {
         if (noise.rmse)
             text += "reference: noise " + percent(*noise.rmse) + " % (RMSE), " + percent(*noise.l1) +
                     " % (L1); " + short_text("%.1f s a frame\n", result.reference->wall_s);
-        rows = {{"wall s a frame to", "L1 5 %", "2 %", "1 %", "RMSE 5 %", "2 %", "1 %"}};
-        for (std::size_t i = 0; i < result.ladders.size(); ++i) {
-            Row row = {result.ladders[i].name()};
-            for (const double error : kErrorsOfInterest)
-                row.push_back(to_string(time_to_l1(result, i, error)));
-            for (const double error : kErrorsOfInterest)
-                row.push_back(to_string(time_to_rmse(result, i, error)));
-            rows.push_back(row);
-        }
+        rows = times_to_errors(result);
+        rows.insert(rows.begin(), {"time of a frame to", "L1 5 %", "2 %", "1 %", "RMSE 5 %", "2 %", "1 %"});
         text += "\n" + aligned(rows);
     }
     std::size_t verdicts = 0, counts[3] = {};
