@@ -26,7 +26,6 @@ struct Golden {
     const char* name;
     const char* timeline;
     std::int64_t frame;
-    bool splats;  ///< by photons, else sliced beams
 };
 
 void PrintTo(const Golden& golden, std::ostream* stream) {
@@ -35,17 +34,15 @@ void PrintTo(const Golden& golden, std::ostream* stream) {
 
 class GoldenFrame : public testing::TestWithParam<Golden> {};
 INSTANTIATE_TEST_SUITE_P(Demos, GoldenFrame,
-                         testing::Values(Golden{"pool", "pool.yaml", 20, false},
-                                         Golden{"poolside", "poolside.yaml", 20, false},
-                                         Golden{"deep", "deep.yaml", 20, false},
-                                         Golden{"seabed", "seabed.yaml", 10, false},
-                                         Golden{"bridge", "bridge.yaml", 5, true},
-                                         Golden{"blender_ocean", "blender_ocean.yaml", 3, true}),
+                         testing::Values(Golden{"pool", "pool.yaml", 20},
+                                         Golden{"poolside", "poolside.yaml", 20},
+                                         Golden{"deep", "deep.yaml", 20}, Golden{"seabed", "seabed.yaml", 10},
+                                         Golden{"bridge", "bridge.yaml", 5},
+                                         Golden{"blender_ocean", "blender_ocean.yaml", 3}),
                          [](const auto& golden) { return golden.param.name; });
 
 image::Image render_small(const Golden& golden) {
     std::vector<std::string> settings{"clip.resolution=[128, 72]", "clip.samples=2", "water.mesh_cells=200"};
-    if (golden.splats) settings.emplace_back("caustics.map_resolution=256");
     const timeline::Timeline timeline =
         timeline::Timeline::load(std::string(DAPPLE_SOURCE_DIR "/sequences/") + golden.timeline, settings);
     render::FrameRenderer renderer(test::validated_device());

@@ -232,6 +232,33 @@ Box<Real> BeamPyramid<Real>::box(NodeId node, Real low, Real high, Real lean) co
     return box;
 }
 
+template <class Real>
+typename BeamPyramid<Real>::Meets BeamPyramid<Real>::meets(NodeId node, const glm::vec<3, Real>& point,
+                                                           const glm::vec<3, Real>& normal) const {
+    const Ends& ends = levels_[node.level].ends[index(node)];
+    // Extremes of the height over the plane.
+    const auto height = [&](const Box<Real>& box, Real depth, Real& low, Real& high) {
+        const auto span = [&](Real n, Real from, Real to) {
+            low += std::min(n * from, n * to);
+            high += std::max(n * from, n * to);
+        };
+        low = high = normal.z * (depth - point.z);
+        span(normal.x, box.low_a - point.x, box.high_a - point.x);
+        span(normal.y, box.low_b - point.y, box.high_b - point.y);
+    };
+    Real near_low, near_high, far_low, far_high;
+    height(ends.near, nearest_, near_low, near_high);
+    height(ends.far, farthest_, far_low, far_high);
+    // Rounding of points and of receivers that are taken to share a plane.
+    const Real room =
+        Real(64) * std::numeric_limits<Real>::epsilon() *
+        (std::max({std::abs(point.x), std::abs(point.y), std::abs(point.z)}) +
+         std::max({std::abs(near_low), std::abs(near_high), std::abs(far_low), std::abs(far_high)}));
+    if (near_low > room && far_high < -room) return Meets::all;
+    if (near_high < -room || far_low > room) return Meets::none;
+    return Meets::some;
+}
+
 template class BeamPyramid<float>;
 template class BeamPyramid<double>;
 

@@ -77,6 +77,11 @@ public:
     /// changes by `lean` m of depth a m across the axis; empty (low > high) where no beam of the node carries
     /// light.
     Box<Real> box(NodeId node, Real low, Real high, Real lean = 0) const;
+    /// How many of a node's rays meet a plane from its front between the nearest and the farthest depth.
+    /// Where all do, beams landed on it keep to the bounds of their slices, whatever it leans: between these
+    /// depths the bounds are flat, so that they hold all of a triangle whose corners they hold.
+    enum class Meets { none, some, all };
+    Meets meets(NodeId node, const glm::vec<3, Real>& point, const glm::vec<3, Real>& normal) const;
     const Sums& sums(NodeId node) const { return levels_[node.level].sums[index(node)]; }
     bool dark(NodeId node) const { return !(levels_[node.level].sums[index(node)].flux > 0); }
     /// `visit(child)` for the up to four children of a node above the finest level, in a fixed order.

@@ -124,7 +124,8 @@ struct CoveragePass::State {
           cover_curved(d, "coverage of curved surfaces", sliced_beams_cover_curved_comp,
                        {.storage_buffers = 8, .push_bytes = sizeof(CoveragePush)}) {}
 
-    void find(const ReceiverGroup& group, Chunk& chunk, std::vector<glm::vec3>& irradiance) const;
+    void find(const ReceiverGroup& group, const LightLattice* lattice, Chunk& chunk,
+              std::vector<glm::vec3>& irradiance) const;
     std::size_t chunks_that_fit(std::span<const Chunk> chunks) const;
     void run(std::span<const Chunk> chunks, LayerResult& result, FrameStats& stats);
     void record(std::size_t key, std::span<const Chunk> chunks, std::span<const Sizes> before,
@@ -176,29 +177,35 @@ bool CoveragePass::begin(Sheets sheets) {
 }
 
 /// The tiles of one group of receivers, one a sheet: their work for the device, or at once their light.
-void CoveragePass::State::find(const ReceiverGroup& group, Chunk& chunk,
+void CoveragePass::State::find(const ReceiverGroup& group, const LightLattice* lattice, Chunk& chunk,
                                std::vector<glm::vec3>& irradiance) const {
     irradiance.assign(group.pixels.size(), glm::vec3(0));
     for (std::size_t s = 0; s < sheets.size(); ++s) {
         const SheetCoverage<float>& sheet = *sheets[s];
         if (sheet.sheet().in_water() != group.in_water || sheet.pyramid().empty()) continue;
-        Tile<float> tile(sheet, group.receivers, group.object, irradiance, chunk.counts);
-        if (!tile.find()) continue;
-        if (tile.plain()) {
-            const CoverageWorkBuilder builder(tile, group.pixels);
-            CoverageWork& work = chunk.works[kKinds * s + (builder.planar() ? planar : curved)];
-            if (work.clusters.size() + builder.clusters() <= kMostClusters) {
-                builder.add_to(work);
-                ++chunk.on_device;
-                continue;
+        const auto alone = [&](const ReceiverGroup& part, std::span<glm::vec3> to) {
+            Tile<float> tile(sheet, part.receivers, part.object, to, chunk.counts);
+            if (!tile.find()) return;
+            if (tile.plain()) {
+                const CoverageWorkBuilder builder(tile, part.pixels);
+                CoverageWork& work = chunk.works[kKinds * s + (builder.planar() ? planar : curved)];
+                if (work.clusters.size() + builder.clusters() <= kMostClusters) {
+                    builder.add_to(work);
+                    ++chunk.on_device;
+                    return;
+                }
             }
-        }
-        tile.cover();
+            tile.cover();
+        };
+        if (lattice)
+            lattice->add_with(s, group, irradiance, alone);
+        else
+            alone(group, irradiance);
     }
 }
 
-void CoveragePass::irradiance(const LayerTiles& tiles, LayerResult& result, QueryCounts& counts,
-                              FrameStats& stats) {
+void CoveragePass::irradiance(const LayerTiles& tiles, const LightLattice* lattice, LayerResult& result,
+                              QueryCounts& counts, FrameStats& stats) {
     std::size_t on_device = 0;
     for (std::size_t first = 0; first < tiles.count(); first += kBatchTiles) {
         const std::size_t batch = std::min(kBatchTiles, tiles.count() - first);
@@ -211,7 +218,7 @@ void CoveragePass::irradiance(const LayerTiles& tiles, LayerResult& result, Quer
                 std::vector<glm::vec3> irradiance;
                 for (std::size_t tile = begin; tile < end; ++tile) {
                     for (const ReceiverGroup& group : tiles.groups(first + tile)) {
-                        state_->find(group, chunk, irradiance);
+                        state_->find(group, lattice, chunk, irradiance);
                         for (std::size_t k = 0; k < group.pixels.size(); ++k) {
                             result.irradiance[group.pixels[k]] = irradiance[k];
                             result.covered[group.pixels[k]] = 1;

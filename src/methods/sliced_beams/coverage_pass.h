@@ -6,6 +6,7 @@
 #include "gpu/device.h"
 #include "methods/caustic_method.h"
 #include "methods/sliced_beams/layer_tiles.h"
+#include "methods/sliced_beams/light_lattice.h"
 #include "methods/sliced_beams/sheet_coverage.h"
 
 namespace dapple::methods::sliced_beams {
@@ -25,8 +26,10 @@ public:
     /// Takes the sheets of a frame, which must outlive their use here. False, and nothing is taken, where
     /// their mesh is larger than what the device binds.
     bool begin(Sheets sheets);
-    /// E of all receivers of a layer, W/m^2. Throws Error(device).
-    void irradiance(const LayerTiles& tiles, LayerResult& result, QueryCounts& counts, FrameStats& stats);
+    /// E of all receivers of a layer, W/m^2; by `lattice`, which may be null, of those that it shares. Throws
+    /// Error(device).
+    void irradiance(const LayerTiles& tiles, const LightLattice* lattice, LayerResult& result,
+                    QueryCounts& counts, FrameStats& stats);
 
 private:
     struct State;

@@ -71,11 +71,13 @@ void CoverageWorkBuilder::add_lists(CoverageWork& work, std::uint32_t first_clus
         low -= margin;
         high += margin;
         const bool slanted = 2 * (high - low) < tile_.high_ - tile_.low_;
+        const auto box = [&](const auto& node) {
+            return planar_ ? tile_.box(node, r, low, high) : tile_.pyramid_.box(node, low, high, tile_.lean_);
+        };
         layout::CoverageBlock& block = work.blocks.emplace_back();
         block.first = static_cast<std::uint32_t>(work.list.size());
         for (std::size_t i = 0; i < nodes.size(); ++i)
-            if (overlap(boxes[i], bounds) &&
-                (!slanted || overlap(tile_.pyramid_.box(nodes[i], low, high, tile_.lean_), bounds)))
+            if (overlap(boxes[i], bounds) && (!slanted || overlap(box(nodes[i]), bounds)))
                 work.list.push_back(first_cluster + static_cast<std::uint32_t>(i));
         block.last = static_cast<std::uint32_t>(work.list.size());
     }

@@ -9,9 +9,22 @@ namespace dapple::methods::sliced_beams {
 namespace {
 
 constexpr std::size_t kSide = 8;
+/// Cosine between receivers' normals that tells one face from another: receivers of one plane are faster to
+/// serve.
+constexpr float kSameFace = 0.7f;
 static_assert(kSide * kSide == kTileReceivers);
 
 }  // namespace
+
+ReceiverGroup ReceiverGroup::only(std::span<const std::size_t> indices) const {
+    ReceiverGroup group{object, in_water, {}, {}, {}};
+    for (const std::size_t i : indices) {
+        group.pixels.push_back(pixels[i]);
+        group.receivers.push_back(receivers[i]);
+        group.points.push_back(points[i]);
+    }
+    return group;
+}
 
 LayerTiles::LayerTiles(const view::ReceiverLayer& layer, const scene::Clip& clip)
     : layer_(layer),
@@ -49,7 +62,8 @@ void LayerTiles::add(std::size_t pixel, std::vector<ReceiverGroup>& groups) cons
     const std::uint32_t object = layer_.object[pixel];
     const bool in_water = (layer_.flags[pixel] & view::kInWater) != 0;
     auto group = std::find_if(groups.begin(), groups.end(), [&](const ReceiverGroup& g) {
-        return g.object == object && g.in_water == in_water;
+        return g.object == object && g.in_water == in_water &&
+               glm::dot(g.receivers.front().normal, normal) > kSameFace;
     });
     if (group == groups.end()) {
         group = groups.insert(groups.end(), ReceiverGroup{object, in_water, {}, {}, {}});

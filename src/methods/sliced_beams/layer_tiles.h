@@ -1,5 +1,6 @@
 #pragma once
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "methods/sliced_beams/sheet_coverage.h"
@@ -8,13 +9,16 @@
 
 namespace dapple::methods::sliced_beams {
 
-/// Receivers of one tile of 8 x 8 pixels that lie on one object in one medium.
+/// Receivers of one tile of 8 x 8 pixels that lie on one face of an object in one medium.
 struct ReceiverGroup {
     std::uint32_t object = 0;
     bool in_water = false;
     std::vector<std::size_t> pixels;
     std::vector<Receiver<float>> receivers;  ///< world axes; the footprint is the sample's cell of the pixel
     std::vector<Receiver<float>> points;     ///< the same, at the path's own point
+
+    /// Some of them, by index.
+    ReceiverGroup only(std::span<const std::size_t> indices) const;
 };
 
 /// The tiles of a layer.
@@ -22,7 +26,7 @@ class LayerTiles {
 public:
     LayerTiles(const view::ReceiverLayer& layer, const scene::Clip& clip);
     std::size_t count() const { return across_ * down_; }
-    /// The groups of a tile, by object; at most kTileReceivers receivers each.
+    /// The groups of a tile, by object and face; at most kTileReceivers receivers each.
     std::vector<ReceiverGroup> groups(std::size_t tile) const;
 
 private:

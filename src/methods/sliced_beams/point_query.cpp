@@ -49,6 +49,38 @@ constexpr std::size_t kMostFoldClusters = 64;
 /// The same of a tile of points.
 constexpr std::size_t kMostFoldNodes = 2048;
 
+/// To within the rounding of positions.
+template <class Real>
+bool on_one_plane(const Receiver<Real>& p, const Receiver<Real>& q) {
+    constexpr Real rounding = Real(16) * std::numeric_limits<Real>::epsilon();
+    const Real size = std::max({std::abs(q.position.x), std::abs(q.position.y), std::abs(q.position.z)});
+    return p.normal == q.normal && std::abs(glm::dot(q.position - p.position, p.normal)) <= rounding * size;
+}
+
+/// Barycentric coordinates of the point among a beam's landed corners, and how far there it is past its
+/// start.
+template <class Real>
+Real weigh(const Landed (&corner)[3], const LandedChunk<Real>& landed, int lane, Real (&weights)[3]) {
+    Real past = 0, all = 0;
+    for (int k = 0; k < 3; ++k) {
+        const Landed &p = corner[(k + 1) % 3], &q = corner[(k + 2) % 3];
+        weights[k] = static_cast<Real>(std::abs(static_cast<double>(p.x) * static_cast<double>(q.y) -
+                                                static_cast<double>(q.x) * static_cast<double>(p.y)));
+        all += weights[k];
+    }
+    for (int k = 0; k < 3; ++k) {
+        weights[k] = all > 0 ? weights[k] / all : Real(1) / 3;
+        past += weights[k] * landed.past_start[k][lane];
+    }
+    return past;
+}
+
+template <class Real>
+bool lies_in_light(const Landed (&corner)[3], const LandedChunk<Real>& landed, int lane) {
+    Real weights[3];
+    return weigh(corner, landed, lane, weights) >= 0;
+}
+
 template <class Real>
 Box<Real> point_box(const Receiver<Real>& r) {
     return {r.position.x, r.position.x, r.position.y, r.position.y};
@@ -163,12 +195,26 @@ typename PointQuery<Real>::Margin PointQuery<Real>::second_difference(std::uint3
 
 template <class Real>
 typename PointQuery<Real>::Reach PointQuery<Real>::reach(const Receiver<Real>& local) const {
-    return {local.position.z, local.position.z, sheet_.lean(local.normal),
+    return {local.position.z, local.position.z, sheet_.lean(local.normal), &local,
             1 / std::max(Real(0.1), std::abs(local.normal.z))};
 }
 
+/// 0 where all the node's beams land on the points' plane within the pyramid's depths.
 template <class Real>
-Box<Real> PointQuery<Real>::box(NodeId node, const Reach& reach) const {
+Real PointQuery<Real>::lean(NodeId node, const Reach& reach) const {
+    using Pyramid = BeamPyramid<Real>;
+    const bool all = reach.plane && sheet_.pyramid().meets(node, reach.plane->position,
+                                                           reach.plane->normal) == Pyramid::Meets::all;
+    return all ? Real(0) : reach.lean;
+}
+
+template <class Real>
+Box<Real> PointQuery<Real>::covered_box(NodeId node, const Reach& reach) const {
+    return sheet_.pyramid().box(node, reach.low, reach.high, lean(node, reach));
+}
+
+template <class Real>
+Box<Real> PointQuery<Real>::reached_box(NodeId node, const Reach& reach) const {
     const BeamPyramid<Real>& pyramid = sheet_.pyramid();
     const Margin& margin = margins_[node.level][pyramid.index(node)];
     const Real range = pyramid.farthest() - pyramid.nearest();
@@ -179,7 +225,7 @@ Box<Real> PointQuery<Real>::box(NodeId node, const Reach& reach) const {
         return margin.near + t * (margin.far - margin.near);
     };
     const Real room = Real(1.1 * kFoldShare) * reach.stretch * std::max(at(reach.low), at(reach.high));
-    Box<Real> box = pyramid.box(node, reach.low - room, reach.high + room, reach.lean);
+    Box<Real> box = pyramid.box(node, reach.low - room, reach.high + room, lean(node, reach));
     box.low_a -= room;
     box.high_a += room;
     box.low_b -= room;
@@ -203,6 +249,7 @@ std::vector<typename PointQuery<Real>::FoundNode> PointQuery<Real>::find_nodes(
         bounds = {std::min(bounds.low_a, own.low_a), std::max(bounds.high_a, own.high_a),
                   std::min(bounds.low_b, own.low_b), std::max(bounds.high_b, own.high_b)};
         all = {std::min(all.low, one.low), std::max(all.high, one.high), std::max(all.lean, one.lean),
+               all.plane && on_one_plane(*all.plane, r) ? all.plane : nullptr,
                std::max(all.stretch, one.stretch)};
     }
     const Real small_a = (bounds.high_a - bounds.low_a) / 4, small_b = (bounds.high_b - bounds.low_b) / 4;
@@ -213,8 +260,8 @@ std::vector<typename PointQuery<Real>::FoundNode> PointQuery<Real>::find_nodes(
             const NodeId node = open.back();
             open.pop_back();
             if (pyramid.dark(node)) continue;
-            const Box<Real> covered = pyramid.box(node, all.low, all.high, all.lean);
-            const Box<Real> reached = folds ? box(node, all) : covered;
+            const Box<Real> covered = covered_box(node, all);
+            const Box<Real> reached = folds ? reached_box(node, all) : covered;
             if (!overlap(reached, bounds)) continue;
             const Real size_a = reached.high_a - reached.low_a, size_b = reached.high_b - reached.low_b;
             if (node.level == 0 || (size_a < small_a && size_b < small_b))
@@ -229,19 +276,24 @@ std::vector<typename PointQuery<Real>::FoundNode> PointQuery<Real>::find_nodes(
     return nodes;
 }
 
+/// Which way round a beam lands that has not turned over: the tangent plane's coordinates against its normal,
+/// and whether light comes down through the water's facets, which are counter-clockwise seen from the air.
+template <class Real>
+int PointQuery<Real>::upright(const Receiver<Real>& local) const {
+    const bool turned = glm::dot(glm::cross(local.u, local.v), local.normal) < 0;
+    return turned != sheet_.sheet().in_water() ? 1 : -1;
+}
+
 template <class Real>
 template <class Visit>
 void PointQuery<Real>::visit_hits(const Receiver<Real>& local, std::span<const FoundNode> nodes,
-                                  bool every_fold, bool& fold, Visit&& visit) const {
+                                  Wanted wanted, bool& fold, Visit&& visit) const {
     const BeamPyramid<Real>& pyramid = sheet_.pyramid();
     const LandingFrame<Real> frame(local);
     const Reach at = reach(local);
     const Box<Real> own = point_box(local);
-    // Which way round a beam lands that has not turned over: the tangent plane's coordinates against its
-    // normal, and whether light comes down through the water's facets, which are counter-clockwise seen from
-    // the air.
-    const bool turned = glm::dot(glm::cross(local.u, local.v), local.normal) < 0;
-    const int upright = turned != sheet_.sheet().in_water() ? 1 : -1;
+    const int upright = this->upright(local);
+    const bool every_fold = wanted == Wanted::every_fold;
     std::size_t looked_for_folds = 0;
     // A point that has its flag needs no other.
     const auto look_for_folds = [&] { return every_fold || !fold; };
@@ -272,34 +324,43 @@ void PointQuery<Real>::visit_hits(const Receiver<Real>& local, std::span<const F
                 const int held = holds(corner[0], corner[1], corner[2]);
                 if (held == 0) continue;
                 PointHit<Real> hit{beam, held * upright, {0, 0, 0}, own_fold};
-                Real past = 0, all = 0;
-                for (int k = 0; k < 3; ++k) {
-                    const Landed &p = corner[(k + 1) % 3], &q = corner[(k + 2) % 3];
-                    hit.weights[k] =
-                        static_cast<Real>(std::abs(static_cast<double>(p.x) * static_cast<double>(q.y) -
-                                                   static_cast<double>(q.x) * static_cast<double>(p.y)));
-                    all += hit.weights[k];
-                }
-                for (int k = 0; k < 3; ++k) {
-                    hit.weights[k] = all > 0 ? hit.weights[k] / all : Real(1) / 3;
-                    past += hit.weights[k] * landed.past_start[k][lane];
-                }
+                const Real past = weigh(corner, landed, lane, hit.weights);
                 if (past >= 0) visit(hit);
             }
         }
     };
-    // First the clusters that may hold the point, then those that reach it by their folds only.
+    const auto done = [&] { return wanted == Wanted::fold && fold; };
     std::vector<NodeId> open;
+    // Where so many clusters reach the point that it has its flag in any case, there is no need to land them.
+    if (wanted == Wanted::fold && !fold && nodes.size() > kMostFoldClusters) {
+        std::size_t reaching = 0;
+        for (auto found = nodes.rbegin(); found != nodes.rend() && !fold; ++found) {
+            if (!overlap(found->covered, own) && !overlap(found->reached, own)) continue;
+            open.push_back(found->node);
+            while (!open.empty()) {
+                const NodeId node = open.back();
+                open.pop_back();
+                if (pyramid.dark(node)) continue;
+                if (!overlap(covered_box(node, at), own) && !overlap(reached_box(node, at), own)) continue;
+                if (node.level > 0)
+                    pyramid.visit_children(node, [&](NodeId child) { open.push_back(child); });
+                else
+                    ++reaching;
+            }
+            fold = reaching > kMostFoldClusters;
+        }
+    }
+    // First the clusters that may hold the point, then those that reach it by their folds only.
     for (const bool by_folds : {false, true}) {
-        if (by_folds && !look_for_folds()) return;
+        if (done() || (by_folds && !look_for_folds())) return;
         for (auto found = nodes.rbegin(); found != nodes.rend(); ++found)
             if (overlap(by_folds ? found->reached : found->covered, own)) open.push_back(found->node);
-        while (!open.empty() && (!by_folds || look_for_folds())) {
+        while (!open.empty() && !done() && (!by_folds || look_for_folds())) {
             const NodeId node = open.back();
             open.pop_back();
             if (pyramid.dark(node)) continue;
-            const bool covers = overlap(pyramid.box(node, at.low, at.high, at.lean), own);
-            if (!covers && !(by_folds && overlap(box(node, at), own))) continue;
+            const bool covers = overlap(covered_box(node, at), own);
+            if (!covers && !(by_folds && overlap(reached_box(node, at), own))) continue;
             if (node.level > 0)
                 pyramid.visit_children(node, [&](NodeId child) { open.push_back(child); });
             else if (covers != by_folds)
@@ -366,6 +427,72 @@ bool PointQuery<Real>::near_fold(const Receiver<Real>& local, const LandingFrame
     return false;
 }
 
+/// Paths to points that share a plane: beams are landed on it once, in the first point's frame, and their
+/// corners moved to the other points: all beams of a vertex by the same bits.
+template <class Real>
+void PointQuery<Real>::count_on_plane(std::span<const Receiver<Real>> locals,
+                                      std::span<const FoundNode> nodes,
+                                      std::span<PointSummary> summaries) const {
+    const BeamPyramid<Real>& pyramid = sheet_.pyramid();
+    const LandingFrame<Real> frame(locals.front());
+    const int upright = this->upright(locals.front());
+    std::vector<glm::vec<2, Real>> places;
+    for (const Receiver<Real>& local : locals) {
+        const Vec3<Real> offset = local.position - frame.position;
+        places.emplace_back(glm::dot(frame.along_x, offset), glm::dot(frame.along_y, offset));
+    }
+    Box<Real> bounds = point_box(locals.front());
+    Reach at = reach(locals.front());
+    for (const Receiver<Real>& local : locals) {
+        const Box<Real> own = point_box(local);
+        bounds = {std::min(bounds.low_a, own.low_a), std::max(bounds.high_a, own.high_a),
+                  std::min(bounds.low_b, own.low_b), std::max(bounds.high_b, own.high_b)};
+        at.low = std::min(at.low, local.position.z);
+        at.high = std::max(at.high, local.position.z);
+    }
+    const auto look_at = [&](NodeId node) {
+        ClusterRays<Real> rays;
+        load(sheet_.sheet(), sheet_.triangles(), pyramid.beams(node), rays);
+        for (int c = 0; c < kChunks<Real>; ++c) {
+            LandedChunk<Real> landed;
+            land(rays, c, frame, landed);
+            const auto &x = landed.beams.x, &y = landed.beams.y;
+            const Lanes<Real> low_x = lesser(lesser(x[0], x[1]), x[2]);
+            const Lanes<Real> high_x = greater(greater(x[0], x[1]), x[2]);
+            const Lanes<Real> low_y = lesser(lesser(y[0], y[1]), y[2]);
+            const Lanes<Real> high_y = greater(greater(y[0], y[1]), y[2]);
+            const unsigned lands = bits(landed.lands);
+            for (std::size_t i = 0; lands != 0 && i < places.size(); ++i) {
+                const Real px = places[i].x, py = places[i].y;
+                unsigned lanes =
+                    lands & bits((low_x <= px) & (high_x >= px) & (low_y <= py) & (high_y >= py));
+                for (; lanes != 0; lanes &= lanes - 1) {
+                    const int lane = __builtin_ctz(lanes);
+                    Landed corner[3];
+                    for (int k = 0; k < 3; ++k)
+                        corner[k] = {static_cast<float>(x[k][lane] - px),
+                                     static_cast<float>(y[k][lane] - py)};
+                    const int held = holds(corner[0], corner[1], corner[2]);
+                    if (held == 0 || !lies_in_light(corner, landed, lane)) continue;
+                    ++summaries[i].count;
+                    summaries[i].sign += held * upright;
+                }
+            }
+        }
+    };
+    std::vector<NodeId> open;
+    for (const FoundNode& found : nodes) open.push_back(found.node);
+    while (!open.empty()) {
+        const NodeId node = open.back();
+        open.pop_back();
+        if (pyramid.dark(node) || !overlap(covered_box(node, at), bounds)) continue;
+        if (node.level == 0)
+            look_at(node);
+        else
+            pyramid.visit_children(node, [&](NodeId child) { open.push_back(child); });
+    }
+}
+
 template <class Real>
 void PointQuery<Real>::summarize(std::span<const Receiver<Real>> points,
                                  std::span<PointSummary> summaries) const {
@@ -375,13 +502,18 @@ void PointQuery<Real>::summarize(std::span<const Receiver<Real>> points,
     bool folds_found = true;
     const std::vector<FoundNode> nodes = find_nodes(locals, folds_found);
     if (nodes.empty()) return;
+    const bool together = std::all_of(locals.begin(), locals.end(), [&](const Receiver<Real>& local) {
+        return on_one_plane(locals.front(), local);
+    });
+    if (together) count_on_plane(locals, nodes, summaries);
     for (std::size_t i = 0; i < locals.size(); ++i) {
         PointSummary& summary = summaries[i];
         summary.fold |= !folds_found;
-        visit_hits(locals[i], nodes, false, summary.fold, [&](const PointHit<Real>& hit) {
-            ++summary.count;
-            summary.sign += hit.sign;
-        });
+        visit_hits(locals[i], nodes, together ? Wanted::fold : Wanted::hits, summary.fold,
+                   [&](const PointHit<Real>& hit) {
+                       summary.count += together ? 0 : 1;
+                       summary.sign += together ? 0 : hit.sign;
+                   });
     }
 }
 
@@ -392,7 +524,8 @@ std::vector<PointHit<Real>> PointQuery<Real>::hits(const Receiver<Real>& point, 
     bool folds_found = true;
     const std::vector<FoundNode> nodes = find_nodes({&local, 1}, folds_found);
     fold |= !folds_found;
-    visit_hits(local, nodes, true, fold, [&](const PointHit<Real>& hit) { found.push_back(hit); });
+    visit_hits(local, nodes, Wanted::every_fold, fold,
+               [&](const PointHit<Real>& hit) { found.push_back(hit); });
     return found;
 }
 

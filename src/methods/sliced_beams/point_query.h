@@ -57,9 +57,10 @@ private:
     };
     /// How far from its landed edges a beam can have a fold's flag.
     struct Reach {
-        Real low, high;  ///< depths, m
-        Real lean;       ///< of the steepest plane
-        Real stretch;    ///< of lengths along the planes against those across the axis
+        Real low, high;               ///< depths, m
+        Real lean;                    ///< of the steepest plane
+        const Receiver<Real>* plane;  ///< on which all points lie; null: they share none
+        Real stretch;                 ///< of lengths along the planes against those across the axis
     };
     struct FoundNode {
         NodeId node;
@@ -69,14 +70,23 @@ private:
     bool may_turn_over(std::uint32_t beam) const;
     void find_margins();
     Reach reach(const Receiver<Real>& local) const;
-    /// Where points can lie that the node's beams cover or flag.
-    Box<Real> box(NodeId node, const Reach& reach) const;
+    /// Where points can lie that the node's beams cover, and that they cover or flag.
+    Box<Real> covered_box(NodeId node, const Reach& reach) const;
+    Box<Real> reached_box(NodeId node, const Reach& reach) const;
+    Real lean(NodeId node, const Reach& reach) const;
     /// `folds_found`: false where so many may flag the points that only those that may cover one are given.
     std::vector<FoundNode> find_nodes(std::span<const Receiver<Real>> locals, bool& folds_found) const;
-    /// `every_fold`: each hit's own flag is wanted, not only whether the point has one.
+    enum class Wanted {
+        fold,        ///< only whether the point has a flag: done once it has
+        hits,        ///< and the hits
+        every_fold,  ///< and each hit's own flag
+    };
     template <class Visit>
-    void visit_hits(const Receiver<Real>& local, std::span<const FoundNode> nodes, bool every_fold,
-                    bool& fold, Visit&& visit) const;
+    void visit_hits(const Receiver<Real>& local, std::span<const FoundNode> nodes, Wanted wanted, bool& fold,
+                    Visit&& visit) const;
+    void count_on_plane(std::span<const Receiver<Real>> locals, std::span<const FoundNode> nodes,
+                        std::span<PointSummary> summaries) const;
+    int upright(const Receiver<Real>& local) const;
     bool near_fold(const Receiver<Real>& local, const LandingFrame<Real>& frame, std::uint32_t beam) const;
 
     const SheetCoverage<Real>& sheet_;

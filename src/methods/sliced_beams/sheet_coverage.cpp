@@ -77,7 +77,6 @@ SheetCoverage<Real>::SheetCoverage(const scene::FrameScene& scene, const rays::R
       occluders_(scene, sheet_) {
     const SheetExtremes<Real> extremes = find_extremes(sheet_);
     const bool lit = extremes.first_start <= extremes.last_start;
-    mean_start_ = lit ? (extremes.first_start + extremes.last_start) / 2 : 0;
     steepest_a_ = extremes.steepest_a;
     steepest_b_ = extremes.steepest_b;
     if (sheet_.in_water()) absorption_ = scene.state.water->absorption;
@@ -101,7 +100,7 @@ Receiver<Real> SheetCoverage<Real>::in_sheet(const Receiver<Real>& world) const 
     // ellipse of semi-axes e, f (e e^T + f f^T) / 4), which in footprint coordinates is a symmetric matrix.
     using Vec2 = glm::vec<2, Real>;
     using Mat2 = glm::mat<2, 2, Real>;
-    const Real way = r.position.z - mean_start_;
+    const Real way = this->way(world.position);
     const Mat2 across(Vec2(r.u), Vec2(r.v));
     const Real determinant = glm::determinant(across);
     // A plane along the light has no image of the disc; it catches next to nothing of it.

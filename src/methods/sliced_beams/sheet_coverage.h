@@ -54,6 +54,14 @@ public:
             std::abs(normal.z) - std::abs(normal.x) * steepest_a_ - std::abs(normal.y) * steepest_b_;
         return std::sqrt(normal.x * normal.x + normal.y * normal.y) / std::max(Real(0.01), facing);
     }
+    /// Whether the sheet stands for a part of the sun's disc that widens footprints.
+    bool blurs() const { return sheet_.disc_u != glm::dvec2(0) && sheet_.disc_v != glm::dvec2(0); }
+    /// m along the axis from the rest plane of the water to a point (world axes, relative to
+    /// FrameScene::origin).
+    Real way(const Vec3<Real>& point) const {
+        return (point.y + static_cast<Real>(scene_.origin.y)) /
+               static_cast<Real>(sheet_.world_from_mesh[2].y);
+    }
     /// The receiver in the sheet's axes.
     Receiver<Real> rotated(const Receiver<Real>& world) const;
     /// The same, its footprint widened by the sheet's part of the sun's disc.
@@ -69,7 +77,6 @@ private:
     glm::mat<3, 3, Real> sheet_from_world_;
     std::unique_ptr<BeamPyramid<Real>> pyramid_;
     Occluders occluders_;
-    Real mean_start_ = 0;
     Real steepest_a_ = 0, steepest_b_ = 0;  ///< largest slopes
     glm::dvec3 absorption_{0, 0, 0};        ///< /m, a channel; 0 in the air
 };

@@ -8,6 +8,7 @@
 #include "light/water_beams.h"
 #include "methods/sliced_beams/coverage_pass.h"
 #include "methods/sliced_beams/layer_tiles.h"
+#include "methods/sliced_beams/light_lattice.h"
 #include "methods/sliced_beams/point_query.h"
 #include "methods/sliced_beams/sheet_coverage.h"
 #include "ocean/grid_size.h"
@@ -18,6 +19,7 @@ using sliced_beams::BeamNeighbors;
 using sliced_beams::BeamPyramid;
 using sliced_beams::CoveragePass;
 using sliced_beams::LayerTiles;
+using sliced_beams::LightLattice;
 using sliced_beams::PointQuery;
 using sliced_beams::QueryCounts;
 using sliced_beams::ReceiverGroup;
@@ -34,7 +36,12 @@ struct SlicedBeams::State {
     std::vector<std::unique_ptr<PointQuery<float>>>
         points;  ///< beside the sheets; made where data is asked for
 
+    std::optional<LightLattice> lattice;  ///< of one call of irradiance(), where a sheet has a disc
+
     void choose_backend(FrameContext& context);
+    void find_shared(const FrameContext& context, std::span<const view::ReceiverLayer> layers,
+                     QueryCounts& counts);
+    void cover(const LayerTiles& tiles, LayerResult& result, QueryCounts& all, FrameStats& stats) const;
     void find_points(const FrameContext& context, const view::ReceiverLayer& layer, LayerResult& result);
 };
 
@@ -165,43 +172,84 @@ void SlicedBeams::begin(FrameContext& context) {
     state_->choose_backend(context);
 }
 
+/// Light that is found at lattices' nodes for all layers together.
+void SlicedBeams::State::find_shared(const FrameContext& context, std::span<const view::ReceiverLayer> layers,
+                                     QueryCounts& counts) {
+    lattice.emplace(context.scene, sheets);
+    std::vector<LightLattice::Request> all;
+    for (const view::ReceiverLayer& layer : layers) {
+        const LayerTiles tiles(layer, context.scene.state.clip);
+        constexpr std::size_t kPart = 16;
+        std::vector<std::vector<LightLattice::Request>> parts(tiles.count() / kPart + 1);
+        parallel_for(tiles.count(), kPart, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t tile = begin; tile < end; ++tile)
+                for (const ReceiverGroup& group : tiles.groups(tile))
+                    for (std::size_t s = 0; s < sheets.size(); ++s)
+                        if (sheets[s]->sheet().in_water() == group.in_water)
+                            lattice->ask(s, group, parts[begin / kPart]);
+        });
+        for (const auto& part : parts) all.insert(all.end(), part.begin(), part.end());
+    }
+    lattice->find(std::move(all), counts);
+}
+
 void SlicedBeams::irradiance(FrameContext& context, std::span<const view::ReceiverLayer> layers,
                              std::span<LayerResult> results) {
+    const bool blurred = std::any_of(state_->sheets.begin(), state_->sheets.end(),
+                                     [](const auto& sheet) { return sheet->blurs(); });
+    state_->lattice.reset();
+    if (blurred) {
+        const ScopedPass pass(context.stats, "coverage");
+        QueryCounts counts;
+        state_->find_shared(context, layers, counts);
+        counts.report(context.stats);
+        context.stats.count("lattice nodes", static_cast<double>(state_->lattice->nodes()));
+    }
     for (std::size_t i = 0; i < layers.size(); ++i) {
         if (layers[i].sample == 0 && layers[i].branch == 0) {
             const ScopedPass pass(context.stats, "path counts");
             state_->find_points(context, layers[i], results[i]);
         }
         const LayerTiles tiles(layers[i], context.scene.state.clip);
-        if (state_->on_device) {
-            QueryCounts counts;
-            state_->pass->irradiance(tiles, results[i], counts, context.stats);
-            counts.report(context.stats);
-            count_left_out(layers[i], results[i], context.stats);
-            continue;
-        }
-        const ScopedPass pass(context.stats, "coverage");
-        std::vector<QueryCounts> counts(tiles.count());
-        parallel_for(tiles.count(), 4, [&](std::size_t begin, std::size_t end) {
-            std::vector<glm::vec3> irradiance;
-            for (std::size_t tile = begin; tile < end; ++tile) {
-                for (const ReceiverGroup& group : tiles.groups(tile)) {
-                    irradiance.assign(group.pixels.size(), glm::vec3(0));
-                    for (const auto& sheet : state_->sheets)
-                        if (sheet->sheet().in_water() == group.in_water)
-                            sheet->add(group.receivers, group.object, irradiance, counts[tile]);
-                    for (std::size_t k = 0; k < group.pixels.size(); ++k) {
-                        results[i].irradiance[group.pixels[k]] = irradiance[k];
-                        results[i].covered[group.pixels[k]] = 1;
-                    }
-                }
-            }
-        });
-        QueryCounts all;
-        for (const QueryCounts& tile : counts) all.add(tile);
-        all.report(context.stats);
+        QueryCounts counts;
+        if (state_->on_device)
+            state_->pass->irradiance(tiles, state_->lattice ? &*state_->lattice : nullptr, results[i], counts,
+                                     context.stats);
+        else
+            state_->cover(tiles, results[i], counts, context.stats);
+        counts.report(context.stats);
         count_left_out(layers[i], results[i], context.stats);
     }
+}
+
+/// E of all receivers of a layer by the CPU.
+void SlicedBeams::State::cover(const LayerTiles& tiles, LayerResult& result, QueryCounts& all,
+                               FrameStats& stats) const {
+    const ScopedPass time(stats, "coverage");
+    std::vector<QueryCounts> counts(tiles.count());
+    parallel_for(tiles.count(), 4, [&](std::size_t begin, std::size_t end) {
+        std::vector<glm::vec3> irradiance;
+        for (std::size_t tile = begin; tile < end; ++tile) {
+            for (const ReceiverGroup& group : tiles.groups(tile)) {
+                irradiance.assign(group.pixels.size(), glm::vec3(0));
+                for (std::size_t s = 0; s < sheets.size(); ++s) {
+                    if (sheets[s]->sheet().in_water() != group.in_water) continue;
+                    const auto alone = [&](const ReceiverGroup& part, std::span<glm::vec3> to) {
+                        sheets[s]->add(part.receivers, part.object, to, counts[tile]);
+                    };
+                    if (lattice)
+                        lattice->add_with(s, group, irradiance, alone);
+                    else
+                        alone(group, irradiance);
+                }
+                for (std::size_t k = 0; k < group.pixels.size(); ++k) {
+                    result.irradiance[group.pixels[k]] = irradiance[k];
+                    result.covered[group.pixels[k]] = 1;
+                }
+            }
+        }
+    });
+    for (const QueryCounts& tile : counts) all.add(tile);
 }
 
 }  // namespace dapple::methods

@@ -12,6 +12,8 @@ namespace {
 constexpr std::size_t kPairsAtOnce = 4096;
 /// Landed at one go: some 2 MB. A tile that looks along the water may find millions.
 constexpr std::size_t kClustersAtOnce = 4096;
+/// A curved tile that finds more than this looks along its receivers' planes.
+constexpr std::size_t kManyClusters = 128;
 
 template <class Real>
 Bounds bounds_of(const Box<Real>& box, Real low, Real high) {
@@ -57,6 +59,22 @@ void Tile<Real>::place_receivers(std::span<const Receiver<Real>> receivers) {
         lean_ = std::max(lean_, sheet_.lean(r.normal));
         locals_.push_back(local);
     }
+    planar_ = !locals_.empty() && share_a_plane();
+}
+
+template <class Real>
+typename Tile<Real>::Meets Tile<Real>::meets(NodeId node, const Receiver<Real>& receiver, Real high) const {
+    const Meets meets = pyramid_.meets(node, receiver.position, receiver.normal);
+    // No receiver lies beyond the farthest depth, but the rim of its footprint may.
+    return meets == Meets::none && high > pyramid_.farthest() ? Meets::some : meets;
+}
+
+template <class Real>
+Box<Real> Tile<Real>::box(NodeId node, const Receiver<Real>& receiver, Real low, Real high) const {
+    constexpr Real infinity = std::numeric_limits<Real>::infinity();
+    const Meets meets = this->meets(node, receiver, high);
+    if (meets == Meets::none) return {infinity, -infinity, infinity, -infinity};
+    return pyramid_.box(node, low, high, meets == Meets::all ? Real(0) : lean_);
 }
 
 template <class Real>
@@ -93,35 +111,43 @@ template <class Real>
 void Tile<Real>::find_nodes(bool occluders) {
     struct Open {
         NodeId node;
-        bool free;
+        Shade shade;
+        bool lands;  ///< all its beams land on the receivers' plane, as far as is known
     };
     clusters_.clear();
-    occluded_.clear();
+    shade_.clear();
     nodes_.clear();
     below_surface_ = true;
-    std::vector<Open> open{{pyramid_.root(), !occluders}};
+    std::vector<Open> open{{pyramid_.root(), {occluders && !free_after_, occluders && !free_before_}, false}};
     while (!open.empty()) {
         const NodeId node = open.back().node;
-        bool free = open.back().free;
+        Shade shade = open.back().shade;
+        bool lands = open.back().lands;
         open.pop_back();
         if (pyramid_.dark(node) || pyramid_.sums(node).first_start > high_) continue;
-        const Box<Real> box = this->box(node);
+        if (planar_ && !lands) {
+            const Meets meets = this->meets(node, locals_.front().receiver, high_);
+            if (meets == Meets::none) continue;
+            lands = meets == Meets::all;
+        }
+        const Box<Real> box = pyramid_.box(node, low_, high_, lands ? Real(0) : lean_);
         if (!overlap(box, bounds_)) continue;
         const bool below = pyramid_.sums(node).last_start < low_;
         below_surface_ = below_surface_ && (below || node.level > 0);
-        if (!free) {
+        if (shade.any()) {
             Bounds surface[2];
             widen_by_surface(node, surface);
-            free = free_after(surface) && sheet_.occluders_.free_before_water(surface[1]);
+            shade.after = shade.after && !free_after(surface);
+            shade.before = shade.before && !sheet_.occluders_.free_before_water(surface[1]);
         }
         if (node.level == 0) {
             clusters_.push_back(node);
-            occluded_.push_back(free ? 0 : 1);
-        } else if (whole_allowed_ && free && below && 2 * (box.high_a - box.low_a) < least_a_ &&
+            shade_.push_back(shade);
+        } else if (whole_allowed_ && !shade.any() && below && 2 * (box.high_a - box.low_a) < least_a_ &&
                    2 * (box.high_b - box.low_b) < least_b_) {
             nodes_.push_back(node);
         } else {
-            pyramid_.visit_children(node, [&](NodeId child) { open.push_back({child, free}); });
+            pyramid_.visit_children(node, [&](NodeId child) { open.push_back({child, shade, lands}); });
         }
     }
 }
@@ -172,7 +198,7 @@ bool Tile<Real>::test_free() {
 
 /// Whether the receivers share one plane, to within the rounding of their positions.
 template <class Real>
-bool Tile<Real>::planar() const {
+bool Tile<Real>::share_a_plane() const {
     const Receiver<Real>& first = locals_.front().receiver;
     constexpr Real rounding = Real(16) * std::numeric_limits<Real>::epsilon();
     const auto out_of_plane = [&](const Vec3<Real>& v) { return std::abs(glm::dot(v, first.normal)); };
@@ -231,7 +257,7 @@ typename Tile<Real>::LandedTile Tile<Real>::land_all(std::size_t first, std::siz
     for (std::size_t i = 0; i < count; ++i) {
         LitCluster<Real>& lit = tile.clusters[i];
         land_cluster(clusters_[first + i], frame, lit);
-        lit.occluded = occluded_[first + i] != 0;
+        lit.shade = shade_[first + i];
         for (int c = 0; c < kChunks<Real>; ++c) {
             for (int lane = 0; lane < kLanes<Real>; ++lane) {
                 if (!lit.landed[c].lands[lane]) continue;
@@ -286,17 +312,22 @@ template <class Real>
 void Tile<Real>::add_curved() {
     std::vector<Box<Real>> boxes(clusters_.size());
     for (std::size_t i = 0; i < clusters_.size(); ++i) boxes[i] = box(clusters_[i]);
+    // On planes that lean much: there it pays to ask for the receiver's own depths and plane.
+    const bool many = clusters_.size() > kManyClusters;
     for (const Local& local : locals_) {
         const Receiver<Real>& r = local.receiver;
         const LandingFrame<Real> frame(r);
         const Box<Real> own{r.position.x - local.half_a, r.position.x + local.half_a,
                             r.position.y - local.half_b, r.position.y + local.half_b};
+        const auto box_at = [&](NodeId node) {
+            return box(node, r, r.position.z - local.half_depth, r.position.z + local.half_depth);
+        };
         Lanes<Real> power[3] = {};
         for (std::size_t i = 0; i < clusters_.size(); ++i) {
-            if (!overlap(boxes[i], own)) continue;
+            if (!overlap(boxes[i], own) || (many && !overlap(box_at(clusters_[i]), own))) continue;
             LitCluster<Real> lit;
             land_cluster(clusters_[i], frame, lit);
-            lit.occluded = occluded_[i] != 0;
+            lit.shade = shade_[i];
             add_cluster(local, lit, power, [](const LandedBeams<Real>& landed) { return landed; });
         }
         irradiance_[local.index] +=
@@ -315,7 +346,7 @@ void Tile<Real>::add_cluster(const Local& local, const LitCluster<Real>& lit, La
         if (!any(met)) continue;
         Lanes<Real> share = covered_share(beams);
         share = met ? share : Lanes<Real>{};
-        if (lit.cut_by_surface || lit.occluded) {
+        if (lit.cut_by_surface || lit.shade.any()) {
             unsigned lanes = bits(share > 0);
             for (; lanes != 0; lanes &= lanes - 1) {
                 const int lane = __builtin_ctz(lanes);
@@ -345,7 +376,7 @@ void Tile<Real>::add_pair(const Local& local, const LitCluster<Real>& lit, int c
     const Vec3<Real> irradiance =
         scale * Vec3<Real>(lit.red[chunk][lane], lit.green[chunk][lane], lit.blue[chunk][lane]);
     if (!(irradiance.x + irradiance.y + irradiance.z > 0)) return;
-    if (!lit.occluded) {
+    if (!lit.shade.any()) {
         irradiance_[local.index] += irradiance;
         return;
     }
@@ -367,8 +398,8 @@ void Tile<Real>::add_pair(const Local& local, const LitCluster<Real>& lit, int c
     // Where a surface curves, its tangent plane may lie inside it.
     if (!may_hide_itself_ && !empty) landed += px * r.u + py * r.v;
     const glm::mat<3, 3, Real> world_from_sheet(sheet_.sheet_.world_from_mesh);
-    pairs_.push_back(
-        {local.index, irradiance, glm::vec3(world_from_sheet * landed), glm::vec3(world_from_sheet * water)});
+    pairs_.push_back({local.index, irradiance, glm::vec3(world_from_sheet * landed),
+                      glm::vec3(world_from_sheet * water), lit.shade});
     const glm::vec3 normal(world_from_sheet * r.normal);
     glm::vec3& point = pairs_.back().receiver_point;
     point += std::max(1e-6f, 4e-7f * glm::length(point)) * normal;
@@ -377,37 +408,39 @@ void Tile<Real>::add_pair(const Local& local, const LitCluster<Real>& lit, int c
 
 template <class Real>
 void Tile<Real>::settle_pairs() {
-    if (pairs_.empty()) return;
-    std::vector<std::uint8_t> hidden(pairs_.size(), 0), blocked(pairs_.size(), 0);
-    std::vector<rays::Ray> shadow_rays(pairs_.size());
-    const auto trace = [&] {
-        std::fill(blocked.begin(), blocked.end(), std::uint8_t{0});
-        sheet_.rays_.occluded_by_objects(shadow_rays, blocked);
-        counts_.shadow_rays += shadow_rays.size();
-        for (std::size_t i = 0; i < hidden.size(); ++i) hidden[i] |= blocked[i];
-    };
-    if (!free_after_) {
-        for (std::size_t i = 0; i < pairs_.size(); ++i)
-            shadow_rays[i] = {pairs_[i].receiver_point, 0, pairs_[i].water_point - pairs_[i].receiver_point,
-                              1};
-        trace();
-    }
-    if (!free_before_) {
-        const glm::vec3 to_sun(-sheet_.sheet_.light_direction);
-        const bool sun = sheet_.sheet_.light_direction != glm::dvec3(0);
-        const scene::FrameState& state = sheet_.scene_.state;
-        const glm::vec3 lamp(state.lights[static_cast<std::size_t>(sheet_.sheet_.light)].position -
-                             sheet_.scene_.origin);
-        for (std::size_t i = 0; i < pairs_.size(); ++i) {
-            const glm::vec3 from = pairs_[i].water_point;
-            shadow_rays[i] = {from, 0, sun ? to_sun : lamp - from,
-                              sun ? std::numeric_limits<float>::infinity() : 1.0f};
-        }
-        trace();
-    }
-    for (std::size_t i = 0; i < pairs_.size(); ++i)
-        if (!hidden[i]) irradiance_[pairs_[i].index] += pairs_[i].irradiance;
+    trace(true);
+    trace(false);
+    for (const Pair& pair : pairs_) irradiance_[pair.index] += pair.irradiance;
     pairs_.clear();
+}
+
+/// Drops the pairs that an object hides after the water, or before it.
+template <class Real>
+void Tile<Real>::trace(bool after) {
+    const light::BeamSheet<Real>& sheet = sheet_.sheet_;
+    const bool sun = sheet.light_direction != glm::dvec3(0);
+    const glm::vec3 to_sun(-sheet.light_direction);
+    const glm::vec3 lamp(sheet_.scene_.state.lights[static_cast<std::size_t>(sheet.light)].position -
+                         sheet_.scene_.origin);
+    std::vector<rays::Ray> shadow_rays;
+    for (const Pair& pair : pairs_) {
+        const glm::vec3 from = after ? pair.receiver_point : pair.water_point;
+        if (after && pair.shade.after)
+            shadow_rays.push_back({from, 0, pair.water_point - from, 1});
+        else if (!after && pair.shade.before)
+            shadow_rays.push_back(
+                {from, 0, sun ? to_sun : lamp - from, sun ? std::numeric_limits<float>::infinity() : 1.0f});
+    }
+    if (shadow_rays.empty()) return;
+    std::vector<std::uint8_t> blocked(shadow_rays.size(), 0);
+    sheet_.rays_.occluded_by_objects(shadow_rays, blocked);
+    counts_.shadow_rays += shadow_rays.size();
+    std::size_t ray = 0, kept = 0;
+    for (const Pair& pair : pairs_) {
+        const bool traced = after ? pair.shade.after : pair.shade.before;
+        if (!traced || !blocked[ray++]) pairs_[kept++] = pair;
+    }
+    pairs_.erase(pairs_.begin() + static_cast<std::ptrdiff_t>(kept), pairs_.end());
 }
 
 /// Whole nodes, opened where they cross the footprint's border.
@@ -430,7 +463,7 @@ void Tile<Real>::add_nodes(const Local& local) {
         if (pyramid_.dark(node)) continue;
         // A ray that is within the footprint's prism along the axis at both depths is so between them, where
         // it lands: all rays of the node are, if its box is.
-        const Box<Real> box = pyramid_.box(node, low, high, lean_);
+        const Box<Real> box = this->box(node, r, low, high);
         const Vec2 middle = Real(0.5) * Vec2(box.low_a + box.high_a, box.low_b + box.high_b) - centre;
         const Vec2 half = Real(0.5) * Vec2(box.high_a - box.low_a, box.high_b - box.low_b);
         const Real x = std::abs(glm::dot(to_x, middle)), reach_x = glm::dot(glm::abs(to_x), half);

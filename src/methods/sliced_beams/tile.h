@@ -7,13 +7,21 @@
 
 namespace dapple::methods::sliced_beams {
 
+/// Where objects may stand in the light of a receiver's beams.
+struct Shade {
+    bool after = false;   ///< between the water and the receiver
+    bool before = false;  ///< between the light and the water
+
+    bool any() const { return after || before; }
+};
+
 /// Eight landed beams and what they bring, a lane each.
 template <class Real>
 struct LitCluster {
     LandedChunk<Real> landed[kChunks<Real>];
     Lanes<Real> red[kChunks<Real>], green[kChunks<Real>], blue[kChunks<Real>];  ///< W, after absorption
     std::array<std::uint32_t, kClusterBeams> beam;
-    bool occluded = false;  ///< an object may stand in the beams' light: each is tested
+    Shade shade;  ///< where an object may stand in the beams' light: each is tested
     bool cut_by_surface =
         false;  ///< a beam leaves the water beyond the receivers' plane with some of its rays
 };
@@ -39,6 +47,7 @@ private:
     friend class CoverageWorkBuilder;
 
     using NodeId = typename BeamPyramid<Real>::NodeId;
+    using Meets = typename BeamPyramid<Real>::Meets;
     struct Local {
         Receiver<Real> receiver;  ///< in the sheet's axes
         Real half_a, half_b, half_depth;
@@ -50,6 +59,7 @@ private:
         std::size_t index;
         Vec3<Real> irradiance;
         glm::vec3 receiver_point, water_point;  ///< m, world axes relative to the frame's origin
+        Shade shade;
     };
     /// Clusters landed on a plane, and their bounds there.
     struct LandedTile {
@@ -63,8 +73,19 @@ private:
     void widen_by_surface(NodeId node, Bounds (&surface)[2]) const;
     bool free_after(const Bounds (&surface)[2]) const;
     bool test_free();
-    bool planar() const;
-    Box<Real> box(NodeId node) const { return pyramid_.box(node, low_, high_, lean_); }
+    bool planar() const { return planar_; }
+    bool share_a_plane() const;
+    /// As BeamPyramid::meets, for a receiver whose footprint reaches down to `high`; none: none covers any of
+    /// it.
+    Meets meets(NodeId node, const Receiver<Real>& receiver, Real high) const;
+    /// Where the node's beams can be, as landed on a receiver's plane, between two depths; empty where they
+    /// cannot.
+    Box<Real> box(NodeId node, const Receiver<Real>& receiver, Real low, Real high) const;
+    /// The same for all receivers.
+    Box<Real> box(NodeId node) const {
+        return planar_ ? box(node, locals_.front().receiver, low_, high_)
+                       : pyramid_.box(node, low_, high_, lean_);
+    }
     void land_cluster(NodeId node, const LandingFrame<Real>& frame, LitCluster<Real>& lit);
     LandedTile land_all(std::size_t first, std::size_t count, const LandingFrame<Real>& frame);
     void add_planar();
@@ -79,6 +100,7 @@ private:
     void add_pair(const Local& local, const LitCluster<Real>& lit, int chunk, int lane,
                   const LandedBeams<Real>& beams, Real share, bool clipped);
     void settle_pairs();
+    void trace(bool after);
 
     const SheetCoverage<Real>& sheet_;
     const BeamPyramid<Real>& pyramid_;
@@ -92,12 +114,13 @@ private:
     Real least_a_ = 0, least_b_ = 0;  ///< extents of the smallest footprint
     bool below_surface_ = true;       ///< all receivers lie deeper than the starts of all beams found
     bool whole_allowed_ = false;
+    bool planar_ = false;  ///< all receivers share a plane
     bool free_after_ = true, free_before_ = true;
     bool may_hide_itself_ = true;  ///< the receivers' object
     Bounds receivers_[2];          ///< in the sheet's axes and in the world's
     std::vector<NodeId> clusters_;
-    std::vector<std::uint8_t> occluded_;  ///< beside clusters_: 1 where an object may stand in their light
-    std::vector<NodeId> nodes_;           ///< above the finest level: smaller than the footprints
+    std::vector<Shade> shade_;   ///< beside clusters_
+    std::vector<NodeId> nodes_;  ///< above the finest level: smaller than the footprints
     std::vector<Pair> pairs_;
 };
 
