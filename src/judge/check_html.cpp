@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstdio>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -131,14 +132,19 @@ void add_deviation(HtmlPage& page, const CheckResult& result) {
         }
     }
     for (float& value : values) value /= static_cast<float>(result.flicker.mean);
-    const double full = std::max(static_cast<double>(*std::ranges::max_element(values)), 1e-6);
+    // A few pixels would else leave the rest dark.
+    std::vector<float> sorted = values;
+    const auto nearly_all = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() * 999 / 1000);
+    std::ranges::nth_element(sorted, nearly_all);
+    const double full = std::max(static_cast<double>(*nearly_all), 1e-6);
     Canvas canvas(width, height + 40, {24, 24, 24});
     canvas.blit(0, 0, report::heat_map(values, full), width, height);
     report::draw_scale(canvas, 0, height, width, 40, full, "deviation / clip mean");
     page.picture(
         canvas.width(), canvas.height(), canvas.rgb(),
         "Temporal deviation: root of the mean square, over the frames, of a pixel's difference to the "
-        "mean of its neighbours in time, over the clip's mean");
+        "mean of its neighbours in time, over the clip's mean; the scale ends where 999 of 1000 pixels lie "
+        "below");
 }
 
 using Value = std::function<std::optional<double>(const FrameFigures&)>;
@@ -148,16 +154,18 @@ report::Series series_of(const CheckResult& result, const std::string& name, con
     series.name = name;
     series.marks = result.frames.size() <= 100;
     for (const FrameFigures& figures : result.frames) {
-        if (const std::optional<double> y = value(figures)) {
-            series.points.emplace_back(static_cast<double>(figures.frame), *y);
-        }
+        const double gap = std::numeric_limits<double>::quiet_NaN();
+        series.points.emplace_back(static_cast<double>(figures.frame), value(figures).value_or(gap));
     }
     return series;
 }
 
 void add_plot(HtmlPage& page, const std::string& title, std::vector<report::Series> series,
               const std::optional<double>& limit = std::nullopt, bool log_y = false) {
-    std::erase_if(series, [](const report::Series& one) { return one.points.empty(); });
+    std::erase_if(series, [](const report::Series& one) {
+        return std::ranges::none_of(one.points,
+                                    [](const auto& point) { return std::isfinite(point.second); });
+    });
     if (series.empty()) return;
     report::Plot plot;
     plot.title = title;

@@ -13,6 +13,7 @@ namespace {
 constexpr int kSmallestBlock = 8;    // pixels
 constexpr int kBlocksASide = 64;     // at most: what is kept of a frame has a bound
 constexpr double kFewBlocks = 0.25;  // the share up to which blocks are a region, not the frame
+constexpr double kUneven = 0.6;
 constexpr std::size_t kTilePixels = 1 << 14;
 constexpr auto kFloor = static_cast<float>(JumpFinder::kBlockFloor);
 
@@ -395,9 +396,10 @@ void JumpFinder::judge_lone(std::size_t index) {
     Signals& signals = signals_[index];
     const std::optional<Jump> jump = find_lone(index);
     if (!jump) return;
-    // A step into or out of the frame makes one side of what motion does by itself.
-    const bool beside_step = (step_score(index) >= 1) != (step_score(index + 1) >= 1);
-    if (beside_step && jump->kind == Jump::Kind::pop && jump->score < kSingle) return;
+    // Between what is usual and a step into or out of the frame, motion by itself looks alone; what really is
+    // changes the frame on both sides alike.
+    const auto [less, more] = std::minmax({step_score(index), step_score(index + 1)});
+    if (jump->kind == Jump::Kind::pop && more >= 1 && less < kUneven * more) return;
     // A much stronger jump beside it shows here too.
     if (index > 0 && signals_[index - 1].alone && jump->score < signals_[index - 1].alone_score / 2) return;
     if (index + 1 < signals_.size()) {
