@@ -14,8 +14,7 @@
 namespace dapple::judge {
 namespace {
 
-constexpr int kHeaderText = 22;  // px from line to line
-constexpr int kMark = 8;         // px: ticks beside panels
+constexpr int kMark = 8;  // px: ticks beside panels
 constexpr report::Color kDivider{255, 255, 255};
 
 std::vector<report::Color> colors(std::size_t count) {
@@ -54,16 +53,17 @@ double flicker_of(const SurveyedSequence& sequence, std::int64_t frame) {
 /// room is written.
 void draw_values(report::Canvas& canvas, const Box& line, const std::vector<std::string>& names,
                  const std::vector<double>& values) {
-    constexpr int kText = 16;
+    const int size = line.height * 4 / 7;
     int right = line.x + line.width;
     for (std::size_t i = values.size(); i-- > 0;) {
         const std::string text = letter(i) + " " + report::short_number(values[i]);
-        right -= report::text_width(kText, text);
-        canvas.text(right, line.y + (line.height - kText) / 2, kText, color_of(i), text);
-        right -= kText;
+        right -= report::text_width(size, text);
+        canvas.text(right, line.y + (line.height - size) / 2, size, color_of(i), text);
+        right -= size;
     }
     for (const std::string& name : names) {
-        if (line.x + report::text_width(kText + 2, name) > right && &name != &names.back()) continue;
+        if (line.x + report::text_width(line.height * 9 / 14, name) > right && &name != &names.back())
+            continue;
         draw_line(canvas, {line.x, line.y, right - line.x, line.height}, name);
         return;
     }
@@ -85,7 +85,8 @@ Composer::Composer(const Comparison& comparison, const Survey& survey, const Lay
       still_(layout.width, layout.height, kGround) {
     const std::vector<report::Color> all = colors(comparison.sequences.size());
     if (const Box& box = layout.mean_plot.box; box.width > 0) {
-        mean_plot_.emplace(curves(comparison, survey, mean_of), all, box.x, box.y, box.width, box.height);
+        mean_plot_.emplace(curves(comparison, survey, mean_of), all, box.x, box.y, box.width, box.height,
+                           layout.mean_plot.caption.height / 2);
     }
     if (const Box& box = layout.flicker_plot.box; box.width > 0) {
         report::Plot plot = curves(comparison, survey, flicker_of);
@@ -94,7 +95,8 @@ Composer::Composer(const Comparison& comparison, const Survey& survey, const Lay
             return std::ranges::none_of(sequence.clip.frames,
                                         [](const auto& frame) { return frame.second.flicker <= 0; });
         });
-        flicker_plot_.emplace(std::move(plot), all, box.x, box.y, box.width, box.height);
+        flicker_plot_.emplace(std::move(plot), all, box.x, box.y, box.width, box.height,
+                              layout.flicker_plot.caption.height / 2);
     }
     draw_still_parts(view);
 }
@@ -102,9 +104,10 @@ Composer::Composer(const Comparison& comparison, const Survey& survey, const Lay
 void Composer::draw_still_parts(const std::string& view) {
     const Box& header = layout_.header;
     // The left half of the header is for frame and time.
-    const std::string shown = report::shortened(16, view, header.width / 2);
-    still_.text(header.x + header.width - report::text_width(16, shown), header.y + (header.height - 16) / 2,
-                16, kQuiet, shown);
+    const int size = header.height / 2;
+    const std::string shown = report::shortened(size, view, header.width / 2);
+    still_.text(header.x + header.width - report::text_width(size, shown),
+                header.y + (header.height - size) / 2, size, kQuiet, shown);
     for (std::size_t i = 0; i < layout_.sides.size(); ++i) {
         draw_caption(still_, layout_.sides[i].caption, i, comparison_.labels[i]);
         if (layout_.slices.empty()) continue;
@@ -147,8 +150,9 @@ report::Canvas Composer::compose(std::size_t index, const std::vector<ComparedPi
     const std::string text = frame_text(comparison_, comparison_.frames[index]) + ", " +
                              std::to_string(index + 1) + " of " + std::to_string(comparison_.frames.size());
     const Box& header = layout_.header;
-    canvas.text(header.x, header.y + (header.height - kHeaderText) / 2, kHeaderText, kInk,
-                report::shortened(kHeaderText, text, header.width / 2));
+    const int size = header.height * 11 / 15;
+    canvas.text(header.x, header.y + (header.height - size) / 2, size, kInk,
+                report::shortened(size, text, header.width / 2));
     draw_sides(canvas, pictures);
     if (layout_.wipe.box.width > 0) draw_wipe(canvas, index, pictures);
     draw_differences(canvas, pictures);

@@ -8,8 +8,14 @@
 namespace dapple::judge {
 namespace {
 
-constexpr int kText = 18;  // px from line to line
-constexpr int kTag = 22;   // px
+/// Of a line of so many pixels: text, from line to line, and tags.
+int text_size(int height) {
+    return height * 9 / 14;
+}
+int tag_size(int height) {
+    return height * 11 / 14;
+}
+constexpr int kBlankText = 18;  // px from line to line
 
 }  // namespace
 
@@ -41,23 +47,26 @@ std::vector<std::uint8_t> enlarged(std::span<const std::uint8_t> rgb, int width,
 
 void draw_caption(report::Canvas& canvas, const Box& line, std::size_t sequence, const std::string& text) {
     const std::string name = letter(sequence);
-    const int top = line.y + (line.height - kTag) / 2;
-    canvas.fill(line.x, top, kTag, kTag, color_of(sequence));
-    canvas.text(line.x + (kTag - report::text_width(kText, name)) / 2, top + (kTag - kText) / 2, kText,
-                kGround, name);
-    draw_line(canvas, {line.x + kTag + 8, line.y, line.width - kTag - 8, line.height}, text);
+    const int tag = tag_size(line.height), size = text_size(line.height);
+    const int top = line.y + (line.height - tag) / 2, indent = tag + tag / 3;
+    canvas.fill(line.x, top, tag, tag, color_of(sequence));
+    canvas.text(line.x + (tag - report::text_width(size, name)) / 2, top + (tag - size) / 2, size, kGround,
+                name);
+    draw_line(canvas, {line.x + indent, line.y, line.width - indent, line.height}, text);
 }
 
 void draw_line(report::Canvas& canvas, const Box& line, const std::string& text) {
-    canvas.text(line.x, line.y + (line.height - kText) / 2, kText, kInk,
-                report::shortened(kText, text, line.width));
+    const int size = text_size(line.height);
+    canvas.text(line.x, line.y + (line.height - size) / 2, size, kInk,
+                report::shortened(size, text, line.width));
 }
 
 void draw_blank(report::Canvas& canvas, const Box& box, const std::string& why) {
     canvas.fill(box.x, box.y, box.width, box.height, kBlank);
-    const std::string text = report::shortened(kText, why, box.width - 4);
-    canvas.text(box.x + (box.width - report::text_width(kText, text)) / 2, box.y + (box.height - kText) / 2,
-                kText, kInk, text);
+    const int size = std::max(kBlankText, box.width / 30);
+    const std::string text = report::shortened(size, why, box.width - 4);
+    canvas.text(box.x + (box.width - report::text_width(size, text)) / 2, box.y + (box.height - size) / 2,
+                size, kInk, text);
 }
 
 std::string difference_name(const Survey& survey, std::size_t sequence) {

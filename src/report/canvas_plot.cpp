@@ -10,14 +10,13 @@
 namespace dapple::report {
 namespace {
 
-constexpr int kText = 14;  // px from line to line
 constexpr Color kFrame{110, 112, 120}, kGrid{58, 59, 66}, kNumbers{176, 178, 186}, kCursor{255, 255, 255};
-constexpr double kLine = 1.6, kDot = 3;  // px
+constexpr double kLine = 1.6 / 14, kDot = 3.0 / 14;  // widths, in heights of text
 
 }  // namespace
 
-CanvasPlot::CanvasPlot(Plot plot, std::vector<Color> colors, int x, int y, int width, int height)
-    : plot_(std::move(plot)), colors_(std::move(colors)), x_(plot_.log_x), y_(plot_.log_y) {
+CanvasPlot::CanvasPlot(Plot plot, std::vector<Color> colors, int x, int y, int width, int height, int text)
+    : plot_(std::move(plot)), colors_(std::move(colors)), x_(plot_.log_x), y_(plot_.log_y), text_(text) {
     assert(colors_.size() >= plot_.series.size());
     for (const Series& series : plot_.series) {
         for (const auto& [at, value] : series.points) {
@@ -26,16 +25,16 @@ CanvasPlot::CanvasPlot(Plot plot, std::vector<Color> colors, int x, int y, int w
             if (y_.shows(value)) y_.include(value);
         }
     }
-    top_ = y + kText / 2;
-    bottom_ = y + height - kText - 4;
-    right_ = x + width - 1 - kText;  // the last number may stand beyond the frame
-    left_ = x + kText;
+    top_ = y + text_ / 2;
+    bottom_ = y + height - text_ - 4;
+    right_ = x + width - 1 - text_;  // the last number may stand beyond the frame
+    left_ = x + text_;
     if (y_.empty()) return;
     x_.finish(0.02, Axis::Start::values);
     y_.finish(0.08, Axis::Start::zero);
     int widest = 0;
     for (const std::string& label : tick_labels(y_.ticks(most_y_ticks()))) {
-        widest = std::max(widest, text_width(kText, label));
+        widest = std::max(widest, text_width(text_, label));
     }
     left_ = x + widest + 8;
     x_.place(left_, right_);
@@ -43,22 +42,22 @@ CanvasPlot::CanvasPlot(Plot plot, std::vector<Color> colors, int x, int y, int w
 }
 
 int CanvasPlot::most_y_ticks() const {
-    return std::max(2, (bottom_ - top_) / 28);
+    return std::max(2, (bottom_ - top_) / (2 * text_));
 }
 
 void CanvasPlot::draw(Canvas& canvas) const {
     if (y_.empty()) {
         const std::string text = "there is nothing to show";
-        canvas.text((left_ + right_ - text_width(kText, text)) / 2, (top_ + bottom_ - kText) / 2, kText,
+        canvas.text((left_ + right_ - text_width(text_, text)) / 2, (top_ + bottom_ - text_) / 2, text_,
                     kNumbers, text);
         return;
     }
-    const std::vector<double> x_ticks = x_.ticks(std::max(2, (right_ - left_) / 70));
+    const std::vector<double> x_ticks = x_.ticks(std::max(2, (right_ - left_) / (5 * text_)));
     const std::vector<std::string> x_labels = tick_labels(x_ticks);
     for (std::size_t i = 0; i < x_ticks.size(); ++i) {
         const double at = x_(x_ticks[i]);
         canvas.line(at, top_, at, bottom_, kGrid);
-        canvas.text(static_cast<int>(at) - text_width(kText, x_labels[i]) / 2, bottom_ + 4, kText, kNumbers,
+        canvas.text(static_cast<int>(at) - text_width(text_, x_labels[i]) / 2, bottom_ + 4, text_, kNumbers,
                     x_labels[i]);
     }
     const std::vector<double> y_ticks = y_.ticks(most_y_ticks());
@@ -66,7 +65,7 @@ void CanvasPlot::draw(Canvas& canvas) const {
     for (std::size_t i = 0; i < y_ticks.size(); ++i) {
         const double at = y_(y_ticks[i]);
         canvas.line(left_, at, right_, at, kGrid);
-        canvas.text(left_ - 6 - text_width(kText, y_labels[i]), static_cast<int>(at) - kText / 2, kText,
+        canvas.text(left_ - 6 - text_width(text_, y_labels[i]), static_cast<int>(at) - text_ / 2, text_,
                     kNumbers, y_labels[i]);
     }
     canvas.fill(left_, top_, right_ - left_ + 1, 1, kFrame);
@@ -83,7 +82,7 @@ void CanvasPlot::draw(Canvas& canvas) const {
             // The first after a gap is a dot, so that one alone can be seen.
             const auto& from = before != nullptr ? *before : point;
             canvas.line(x_(from.first), y_(from.second), x_(point.first), y_(point.second), colors_[i],
-                        before != nullptr ? kLine : kDot);
+                        text_ * (before != nullptr ? kLine : kDot));
             before = &point;
         }
     }

@@ -11,8 +11,9 @@ namespace dapple::report {
 /// `Plot`, title, labels, limits, marks and size are not used: the caller writes captions.
 class CanvasPlot {
 public:
-    /// The box is for everything; `colors` are those of the series.
-    CanvasPlot(Plot plot, std::vector<Color> colors, int x, int y, int width, int height);
+    /// The box is for everything; `colors` are those of the series; numbers are `text` pixels from line to
+    /// line.
+    CanvasPlot(Plot plot, std::vector<Color> colors, int x, int y, int width, int height, int text = 14);
 
     void draw(Canvas& canvas) const;
     /// An upright line at a value of x.
@@ -24,6 +25,7 @@ private:
     Plot plot_;
     std::vector<Color> colors_;
     Axis x_, y_;
+    int text_;
     int left_, top_, right_, bottom_;
 };
 
