@@ -20,7 +20,7 @@ using testing_tools::ScratchFolder;
 using Json = nlohmann::json;
 
 /// A picture of 32 x 18 of small.yaml, by few beams and photons, and a coarse reference.
-std::vector<std::string> small_bench(const std::string& folder) {
+std::vector<std::string> small_bench(const std::string& folder, int repeats) {
     return {"bench",
             kSmall,
             "-o",
@@ -36,7 +36,7 @@ std::vector<std::string> small_bench(const std::string& folder) {
             "-f",
             "3",
             "--repeats",
-            "2",
+            std::to_string(repeats),
             "--reference-error",
             "0.2"};
 }
@@ -54,7 +54,7 @@ Json errors_of(const Json& report) {
 
 TEST(Bench, TwiceFindsTheSameErrors) {
     const ScratchFolder scratch;
-    const Outcome first = run_dapple(scratch, small_bench(scratch / "a"));
+    const Outcome first = run_dapple(scratch, small_bench(scratch / "a", 2));
     ASSERT_EQ(first.code, 0) << first.output;
     EXPECT_THAT(first.output, HasSubstr("photon_splatting-caustics.map_resolution=64"));
     const Json report = report_of(scratch / "a");
@@ -76,18 +76,18 @@ TEST(Bench, TwiceFindsTheSameErrors) {
     EXPECT_THAT(html, HasSubstr("Error over time"));
     EXPECT_THAT(html, HasSubstr("</html>"));
 
-    const Outcome second = run_dapple(scratch, small_bench(scratch / "b"));
+    const Outcome second = run_dapple(scratch, small_bench(scratch / "b", 1));
     ASSERT_EQ(second.code, 0) << second.output;
     EXPECT_EQ(errors_of(report_of(scratch / "b")), errors);
 
     // Again into the same folder: nothing is rendered, and the report is the same.
-    const Outcome again = run_dapple(scratch, small_bench(scratch / "a"));
+    const Outcome again = run_dapple(scratch, small_bench(scratch / "a", 2));
     ASSERT_EQ(again.code, 0) << again.output;
     EXPECT_THAT(again.output, HasSubstr("2 repeats kept"));
     EXPECT_EQ(report_of(scratch / "a").at("runs"), report.at("runs"));
 
     // Another job: times of the old one are not trusted.
-    std::vector<std::string> other = small_bench(scratch / "a");
+    std::vector<std::string> other = small_bench(scratch / "a", 1);
     other.insert(other.end(), {"--set", "clip.seed=5"});
     const Outcome anew = run_dapple(scratch, other);
     ASSERT_EQ(anew.code, 0) << anew.output;
@@ -96,7 +96,7 @@ TEST(Bench, TwiceFindsTheSameErrors) {
 
 TEST(Bench, GoesOnAfterAnInterruption) {
     const ScratchFolder scratch;
-    ChildProcess child(dapple(small_bench(scratch / "out")), scratch / "output.txt");
+    ChildProcess child(dapple(small_bench(scratch / "out", 2)), scratch / "output.txt");
     // After the first run has its times.
     const std::string timings = scratch / "out/runs/sliced_beams-water.mesh_cells=16/timings.json";
     for (int i = 0; i < 1200 && !std::filesystem::exists(timings); ++i)
@@ -105,7 +105,7 @@ TEST(Bench, GoesOnAfterAnInterruption) {
     ASSERT_EQ(child.wait(), 75) << child.output();
     EXPECT_THAT(child.output(), HasSubstr("interrupted; the same command goes on"));
     EXPECT_FALSE(std::filesystem::exists(scratch / "out/bench.json"));
-    const Outcome rest = run_dapple(scratch, small_bench(scratch / "out"));
+    const Outcome rest = run_dapple(scratch, small_bench(scratch / "out", 2));
     ASSERT_EQ(rest.code, 0) << rest.output;
     EXPECT_THAT(rest.output, HasSubstr("repeats kept"));
     EXPECT_THAT(report_of(scratch / "out").at("runs"), SizeIs(3));
