@@ -95,12 +95,18 @@ void compare(CaseVerdict& verdict, const CaseRun& run, const ErrorJudge& judge, 
         verdict.verdict = CaseVerdict::Verdict::holds;
         return;
     }
-    // What a plan says of receivers excuses nothing where all are answered for; where none is, the plan names
-    // the paths that it leaves out.
+    // What a plan says of receivers explains light that is missing because they are left out; where the
+    // method answers its light must be right. Where it answers nowhere the plan names the paths that it
+    // leaves out.
     std::string why;
-    if (errors.compared < kWhole) why = errors.compared > 0 ? run.partly() : left_out(plan());
+    if (errors.compared == 0) {
+        why = left_out(plan());
+    } else if (errors.compared < kWhole) {
+        verdict.reason += ", where it answers " + percent(errors.bias);
+        if (std::abs(errors.bias) <= tolerance) why = run.partly();
+    }
     if (why.empty()) {
-        verdict.reason += ", and no plan says why";
+        verdict.reason += ": no plan says why";
     } else {
         verdict.verdict = CaseVerdict::Verdict::named;
         verdict.reason += "; the plan says: " + why;

@@ -10,7 +10,7 @@ namespace dapple::judge {
 struct CaseVerdict {
     enum class Verdict {
         holds,  ///< whole, finite, and its light is the reference's
-        named,  ///< whole and finite; other light than the reference's, for a reason that the plan states
+        named,  ///< the same where it answers; the plan says which receivers or light paths it leaves out
         fails,
     };
     std::string method;

@@ -225,7 +225,7 @@ void add_hard_cases(HtmlPage& page, const BenchResult& result) {
         "the picture is the reference's within " +
         percent(kEnergyTolerance) +
         " % and three standard errors of the reference; or where the input is refused by all, the "
-        "reference too. “Named”: its light is another, and the plan says why.");
+        "reference too. “Named”: so where it answers, and the plan says what it leaves out.");
 }
 
 }  // namespace
