@@ -16,9 +16,12 @@ constexpr double kStep = 0.75;
 /// Receivers a node, at least, and how long their footprints may be against a step.
 constexpr double kLeastShared = 4;
 constexpr double kLongest = 1;
-/// Cells along the faces of the cube about a sphere: its surface lies at most 0.7 % of the radius from the
-/// tangent planes at their middles.
-constexpr std::uint32_t kSphereCells = 12;
+/// Cells along the faces of the cube about a sphere: its surface lies at most 0.1 % of the radius from the
+/// tangent planes at their middles, and leans from them by 2 degrees.
+constexpr std::uint32_t kSphereCells = 40;
+/// Cosine between a sphere's normal and the light, least: nearer to grazing, light falls with the normal too
+/// fast for a step from cell to cell not to be seen.
+constexpr double kLeastFacingOfSphere = 0.3;
 /// Cosine between a plane and the light, least: beyond, a disc's image is too long to tell its middle's way.
 constexpr double kLeastFacing = 0.05;
 
@@ -98,7 +101,7 @@ std::optional<LightLattice::Patch> LightLattice::patch_of(std::uint32_t object,
             return static_cast<std::uint32_t>(std::clamp(c, 0.0, kSphereCells - 1.0));
         };
         index = (face * kSphereCells + cell(2)) * kSphereCells + cell(1);
-        room += 0.01 * glm::length(glm::dvec3(shape.world_from_object[axis])) * shape.half.x;
+        room += 0.001 * glm::length(glm::dvec3(shape.world_from_object[axis])) * shape.half.x;
     } else {
         // Normals go to the object's space by the transpose of what takes points from it.
         index = cube_face(glm::transpose(glm::dmat3(shape.world_from_object)) * normal);
@@ -146,6 +149,9 @@ std::optional<LightLattice::Place> LightLattice::place(std::size_t sheet, std::u
     const glm::dvec2 at = steps(position - patch->point);
     if (!(std::max(std::abs(at.x), std::abs(at.y)) < 1e8)) return std::nullopt;
     const glm::dvec3& axis = sheets_[sheet]->sheet().world_from_mesh[2];
+    if (shapes_[object].shape == scene::Shape::sphere &&
+        glm::dot(patch->normal, axis) > -kLeastFacingOfSphere)
+        return std::nullopt;
     const double facing = glm::dot(glm::dvec3(receiver.normal), axis) / glm::dot(patch->normal, axis);
     return Place{{static_cast<std::uint32_t>(sheet), object, patch->index, level, 0, 0}, at.x, at.y, facing};
 }
