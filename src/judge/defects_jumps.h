@@ -31,7 +31,7 @@ struct Jump {
 /// Finds jumps without false alarms from moving water, by comparing each frame with what its surroundings in
 /// space and time usually do. Luminance I is taken as v = I / (I + m), m the clip's level: bounded, so that a
 /// glint counts as one pixel, and without a unit; with a reference as v_I - v_R, in which the motion common
-/// to both is gone. Pictures are cut into blocks (grid()), and of a block are kept
+/// to both is gone. Pictures are cut into blocks, and of a block are kept
 ///
 ///     change   median over pixels of |v_t - v_(t-1)|
 ///     lone     median over pixels of |v_t - median(v_(t-1), v_t, v_(t+1))|
@@ -41,13 +41,15 @@ struct Jump {
 /// A pixel that moves on smoothly lies between its neighbours in time, so `lone` and `offset` are near 0
 /// however fast water moves, and are not where something shows for one frame. A region pops where `lone`
 /// exceeds the usual `change`, or `offset` kOffset times the usual `bend`; a region steps where its `change`
-/// exceeds kRegionStep times the usual one. "Usual" is the larger of the block's median over kReach frames to
-/// either side, and of the most that it and the blocks around it do in the nearest kNear frames of either
-/// side that neither the jump itself nor one before it touches. A frame flashes where its mean offset exceeds
-/// kFlash times the median mean bend, unless a region explains it, and steps where its mean change exceeds
-/// kStep times those of the nearest frames. All have floors. The first and the last frame of a clip, or
-/// before a gap, have one neighbour: what is odd about them is found as a step. Below 6 frames in a row
-/// nothing is usual, and nothing is found.
+/// exceeds kRegionStep times the usual one. A block counts where one beside it does too, or where
+/// its score is kSingle; a step where four in a square do. What differs from one neighbour far more than from
+/// the other is weighed down: it belongs to that neighbour. "Usual" is the larger of the block's median over
+/// kReach frames to either side, and of the most, but for the one largest, that it and the blocks around it
+/// do in the nearest kNear frames of either side that neither the jump itself nor one before it touches. A
+/// frame flashes where its mean offset exceeds kFlash times the median mean bend, unless a region explains
+/// it, and steps where its mean change exceeds kStep times those of the nearest frames. All have floors. The
+/// first and the last frame of a clip, or before a gap, have one neighbour: what is odd about them is found
+/// as a step. Below 6 frames in a row nothing is usual, and nothing is found.
 class JumpFinder {
 public:
     /// `level`: m, of luminance; a clip of level 0 has no jumps.

@@ -172,6 +172,8 @@ TEST(Drift, ScatterWavesAndStepsAreNone) {
     const auto noise = [](int i) { return hash_uniform(9, 0, static_cast<std::uint64_t>(i), 0) - 0.5; };
     EXPECT_FALSE(find_drift(series(48, [&](int i) { return 0.05 * noise(i); }), {}).has_value());
     EXPECT_FALSE(find_drift(series(48, [](int i) { return 0.02 * std::sin(0.3 * i); }), {}).has_value());
+    // One whole period has a line through it, and residuals that last.
+    EXPECT_FALSE(find_drift(series(48, [](int i) { return 0.02 * std::sin(0.13 * i); }), {}).has_value());
     EXPECT_FALSE(find_drift(series(48, [](int i) { return 1e-5 * i; }), {}).has_value());  // below the floor
 }
 
