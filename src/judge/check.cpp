@@ -15,30 +15,17 @@
 namespace dapple::judge {
 namespace {
 
-/// Two single pictures are compared whatever numbers stand in their names.
-void pair_singles(const Sequence& sequence, Sequence& reference) {
-    if (sequence.files.size() != 1 || reference.files.size() != 1) return;
-    if (!sequence.expected.empty() || !reference.expected.empty()) return;
-    const std::int64_t frame = sequence.files.begin()->first;
-    reference.files = {{frame, reference.files.begin()->second}};
-    reference.first = reference.last = frame;
-}
-
 std::vector<std::int64_t> wanted_frames(const CheckOptions& options, const Sequence& sequence,
                                         const Sequence* reference) {
-    std::vector<std::int64_t> frames;
-    if (options.frames) {
-        frames = options.frames->frames();
-        std::ranges::sort(frames);
-        return frames;
+    if (!options.frames) {
+        return reference != nullptr ? all_frames({sequence, *reference}) : all_frames({sequence});
     }
-    std::int64_t first = sequence.first;
-    std::int64_t last = sequence.last;
-    if (reference != nullptr) {
-        first = std::min(first, reference->first);
-        last = std::max(last, reference->last);
+    std::vector<std::int64_t> frames = options.frames->frames();
+    if (frames.size() > static_cast<std::size_t>(kMostFrames)) {
+        throw Error(ExitCode::usage, "--frames: " + std::to_string(frames.size()) + " frames; at most " +
+                                         std::to_string(kMostFrames) + " are judged");
     }
-    for (std::int64_t frame = first; frame <= last; ++frame) frames.push_back(frame);
+    std::ranges::sort(frames);
     return frames;
 }
 

@@ -108,6 +108,7 @@ bool compose_all(const CompareOptions& options, const Comparison& comparison, co
         indices = sheet->picked();
     }
     ReadOptions read;
+    read.size = {comparison.width, comparison.height};
     for (const std::size_t index : indices) read.frames.push_back(comparison.frames[index]);
     SequenceReader reader(comparison.sequences, read);
     for (std::size_t done = 0; done < indices.size(); ++done) {

@@ -123,6 +123,7 @@ std::optional<Survey> survey(const Comparison& comparison, const Look& look,
 
     ReadOptions options;
     options.frames = comparison.frames;
+    options.size = {comparison.width, comparison.height};
     SequenceReader reader(comparison.sequences, options);
     for (std::size_t index = 0; index < comparison.frames.size(); ++index) {
         if (listener.stop()) return std::nullopt;

@@ -18,9 +18,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMostNamed = 8;          // of the files or sequences that a message lists
-constexpr std::size_t kMostDigits = 18;        // more do not fit the number
-constexpr std::int64_t kMostFrames = 1 << 20;  // from the first to the last
+constexpr std::size_t kMostNamed = 8;    // of the files or sequences that a message lists
+constexpr std::size_t kMostDigits = 18;  // more do not fit the number
 
 [[noreturn]] void refuse(const std::string& message) {
     throw Error(ExitCode::input_unreadable, clipped(message));
@@ -106,14 +105,19 @@ void add_file(Sequence& sequence, std::int64_t number, const fs::path& path) {
     }
 }
 
+void check_range(const std::string& name, std::int64_t first, std::int64_t last) {
+    // The difference of any two numbers fits without a sign.
+    const std::uint64_t length = static_cast<std::uint64_t>(last) - static_cast<std::uint64_t>(first);
+    if (first > last || length >= kMostFrames) {
+        refuse(name + ": frames " + std::to_string(first) + " to " + std::to_string(last) +
+               " are no clip; at most " + std::to_string(kMostFrames) + " frames are judged");
+    }
+}
+
 void set_range_of_files(Sequence& sequence) {
     sequence.first = sequence.files.begin()->first;
     sequence.last = sequence.files.rbegin()->first;
-    if (sequence.last - sequence.first >= kMostFrames) {
-        refuse(sequence.name + ": frames " + std::to_string(sequence.first) + " to " +
-               std::to_string(sequence.last) + " are no clip; at most " + std::to_string(kMostFrames) +
-               " frames are judged");
-    }
+    check_range(sequence.name, sequence.first, sequence.last);
 }
 
 /// Whether printing the number by the pattern gives this text.
@@ -165,8 +169,13 @@ Sequence of_manifest(const std::string& specification, const fs::path& path, Pic
     sequence.name = specification;
     sequence.first = manifest->clip.first_frame;
     sequence.last = manifest->clip.last_frame;
-    sequence.fps = static_cast<double>(manifest->clip.fps.numerator) /
-                   static_cast<double>(manifest->clip.fps.denominator);
+    check_range(path.string(), sequence.first, sequence.last);
+    const scene::Rational& fps = manifest->clip.fps;
+    if (fps.numerator <= 0 || fps.denominator <= 0) {
+        refuse(path.string() + ": " + std::to_string(fps.numerator) + "/" + std::to_string(fps.denominator) +
+               " frames a second are no frame rate");
+    }
+    sequence.fps = static_cast<double>(fps.numerator) / static_cast<double>(fps.denominator);
     for (const auto& [frame, entry] : manifest->frames) {
         if (frame < sequence.first || frame > sequence.last) continue;
         const bool linear = pictures == Pictures::linear;
@@ -258,6 +267,29 @@ Sequence find_sequence(const std::string& specification, Pictures pictures) {
                "one picture");
     }
     return by_pattern(specification, folder, name, place);
+}
+
+void pair_singles(const Sequence& sequence, Sequence& reference) {
+    if (sequence.files.size() != 1 || reference.files.size() != 1) return;
+    if (!sequence.expected.empty() || !reference.expected.empty()) return;
+    const std::int64_t frame = sequence.files.begin()->first;
+    reference.files = {{frame, reference.files.begin()->second}};
+    reference.first = reference.last = frame;
+}
+
+std::vector<std::int64_t> all_frames(const std::vector<Sequence>& sequences) {
+    std::int64_t first = sequences.front().first;
+    std::int64_t last = sequences.front().last;
+    std::string names;
+    for (const Sequence& sequence : sequences) {
+        first = std::min(first, sequence.first);
+        last = std::max(last, sequence.last);
+        names += (names.empty() ? "" : " and ") + sequence.name;
+    }
+    check_range(names, first, last);
+    std::vector<std::int64_t> frames;
+    for (std::int64_t frame = first; frame <= last; ++frame) frames.push_back(frame);
+    return frames;
 }
 
 }  // namespace dapple::judge

@@ -21,6 +21,9 @@ struct Sequence {
     std::map<std::int64_t, WrittenFile> expected;
 };
 
+/// Frames that are judged at most, from the first to the last.
+inline constexpr std::int64_t kMostFrames = 1 << 20;
+
 enum class Pictures { linear, graded };
 
 /// Finds a sequence by a pattern ("clip.%04d.exr", "clip.####.exr"), a folder that holds one numbered
@@ -30,5 +33,13 @@ enum class Pictures { linear, graded };
 /// hidden. Throws Error(input_unreadable) where there is none or more than one, naming those there
 /// are.
 Sequence find_sequence(const std::string& specification, Pictures pictures = Pictures::linear);
+
+/// Two single pictures are compared whatever numbers stand in their names: the reference takes that of the
+/// sequence.
+void pair_singles(const Sequence& sequence, Sequence& reference);
+
+/// From the smallest first to the largest last of the sequences. Throws Error(input_unreadable) where these
+/// are more than kMostFrames.
+std::vector<std::int64_t> all_frames(const std::vector<Sequence>& sequences);
 
 }  // namespace dapple::judge

@@ -23,11 +23,6 @@ namespace {
 
 constexpr const char* kDisplayReferred = "dapple:ocio_view";  // in pictures that dapple graded
 
-struct Size {
-    int width = 0, height = 0;
-    bool operator==(const Size&) const = default;
-};
-
 double thread_cpu_seconds() {
     timespec now{};
     ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
@@ -64,12 +59,12 @@ std::vector<std::string> wanted_channels(const ReadOptions& options, bool motion
     return names;
 }
 
-void check_size(Size size, std::optional<Size>& first, const std::string& path) {
-    if (first && size != *first) {
+void check_size(PictureSize size, const std::optional<PictureSize>& right, const std::string& path) {
+    if (right && size != *right) {
         throw Error(ExitCode::input_unreadable,
                     path + ": is " + std::to_string(size.width) + " x " + std::to_string(size.height) +
-                        " pixels, the frames before it " + std::to_string(first->width) + " x " +
-                        std::to_string(first->height));
+                        " pixels, the other frames " + std::to_string(right->width) + " x " +
+                        std::to_string(right->height));
     }
 }
 
@@ -84,10 +79,10 @@ metrics::Motion motion_of(image::Image& image, const std::string& layer, const s
 }
 
 image::Image decode_exr(std::span<const std::byte> bytes, const std::string& path,
-                        const std::vector<std::string>& names, std::optional<Size>& first) {
+                        const std::vector<std::string>& names, const std::optional<PictureSize>& right) {
     // The size first, and of the header alone: a damaged one must not take memory.
     const image::Image header = image::decode_exr(bytes, path, [](const std::string&) { return false; });
-    check_size({header.width, header.height}, first, path);
+    check_size({header.width, header.height}, right, path);
     image::Image image = image::decode_exr(
         bytes, path, [&](const std::string& name) { return std::ranges::find(names, name) != names.end(); });
     // Without what is wanted the message names what there is.
@@ -95,12 +90,12 @@ image::Image decode_exr(std::span<const std::byte> bytes, const std::string& pat
 }
 
 void decode(ReadFrame& read, std::span<const std::byte> bytes, const ReadOptions& options, bool motion,
-            std::optional<Size>& first) {
+            std::optional<PictureSize>& right) {
     const bool png = is_png(bytes);
     image::Image image = png ? image_of(image::decode_png(bytes, read.path))
-                             : decode_exr(bytes, read.path, wanted_channels(options, motion), first);
-    const Size size{image.width, image.height};
-    check_size(size, first, read.path);
+                             : decode_exr(bytes, read.path, wanted_channels(options, motion), right);
+    const PictureSize size{image.width, image.height};
+    check_size(size, right, read.path);
     metrics::Picture picture = metrics::picture_of(image, options.layer, read.path);
     if (motion) read.motion = motion_of(image, options.motion_layer, read.path);
     read.display_referred = png || std::ranges::any_of(image.metadata, [](const auto& entry) {
@@ -108,12 +103,12 @@ void decode(ReadFrame& read, std::span<const std::byte> bytes, const ReadOptions
                             });
     read.chromaticities = image.chromaticities;
     read.picture = std::move(picture);
-    first = size;
+    right = size;
 }
 
 /// One frame of a sequence. Whatever goes wrong is its fault.
 ReadFrame read(const Sequence& sequence, std::int64_t frame, const ReadOptions& options, bool motion,
-               std::optional<Size>& first) {
+               std::optional<PictureSize>& right) {
     ReadFrame read;
     read.frame = frame;
     const auto file = sequence.files.find(frame);
@@ -128,7 +123,7 @@ ReadFrame read(const Sequence& sequence, std::int64_t frame, const ReadOptions& 
         const std::vector<std::byte> bytes = read_whole_file(read.path);
         read.bytes = bytes.size();
         if (options.content_hash) read.content_hash = content_hash(bytes.data(), bytes.size());
-        decode(read, bytes, options, motion, first);
+        decode(read, bytes, options, motion, right);
     } catch (const std::bad_alloc&) {
         read.fault = clipped(read.path + ": needs more memory than there is");
     } catch (const std::exception& error) {
@@ -136,18 +131,6 @@ ReadFrame read(const Sequence& sequence, std::int64_t frame, const ReadOptions& 
     }
     if (!read.fault.empty()) read.motion.reset();
     return read;
-}
-
-std::vector<std::int64_t> all_frames(const std::vector<Sequence>& sequences) {
-    std::int64_t first = sequences.front().first;
-    std::int64_t last = sequences.front().last;
-    for (const Sequence& sequence : sequences) {
-        first = std::min(first, sequence.first);
-        last = std::max(last, sequence.last);
-    }
-    std::vector<std::int64_t> frames;
-    for (std::int64_t frame = first; frame <= last; ++frame) frames.push_back(frame);
-    return frames;
 }
 
 }  // namespace
@@ -162,7 +145,7 @@ void to_rec709(ReadFrame& frame) {
 struct SequenceReader::State {
     std::vector<Sequence> sequences;
     ReadOptions options;
-    std::vector<std::optional<Size>> sizes;  ///< of each sequence's first picture
+    std::vector<std::optional<PictureSize>> sizes;  ///< that each sequence's pictures have, once known
 
     std::mutex mutex;
     std::condition_variable_any changed;
@@ -184,9 +167,12 @@ struct SequenceReader::State {
     void run(const std::stop_token& stop) {
         for (const std::int64_t frame : options.frames) {
             if (stop.stop_requested()) break;
-            std::vector<ReadFrame> step = read_step(frame);
+            // Nothing is read while a step still waits: it starts when the caller takes that one to compute.
             std::unique_lock lock(mutex);
             if (!changed.wait(lock, stop, [this] { return !ready; })) break;
+            lock.unlock();
+            std::vector<ReadFrame> step = read_step(frame);
+            lock.lock();
             ready = std::move(step);
             changed.notify_all();
         }
@@ -203,7 +189,7 @@ SequenceReader::SequenceReader(std::vector<Sequence> sequences, const ReadOption
     if (state_->options.frames.empty() && !state_->sequences.empty()) {
         state_->options.frames = all_frames(state_->sequences);
     }
-    state_->sizes.resize(state_->sequences.size());
+    state_->sizes.assign(state_->sequences.size(), options.size);
     state_->thread = std::jthread([state = state_.get()](const std::stop_token& stop) { state->run(stop); });
 }
 

@@ -12,12 +12,19 @@
 
 namespace dapple::judge {
 
+/// Of a picture, in pixels.
+struct PictureSize {
+    int width = 0, height = 0;
+    bool operator==(const PictureSize&) const = default;
+};
+
 /// What is read of every frame.
 struct ReadOptions {
     std::string layer;                 ///< "": R, G, B
     std::string motion_layer;          ///< LAYER.X and .Y of the first sequence; empty: none
     bool content_hash = false;         ///< of the whole file, against the manifest
     std::vector<std::int64_t> frames;  ///< ascending; empty: all from the first to the last
+    std::optional<PictureSize> size;   ///< of all pictures; else of each sequence's first that can be read
 };
 
 /// One frame, or why it cannot be had.
@@ -38,9 +45,9 @@ struct ReadFrame {
 void to_rec709(ReadFrame& frame);
 
 /// Reads the frames of sequences in order, all sequences' frame t together, one step ahead of the caller in a
-/// thread of its own, so that reading overlaps with computing. Memory: two steps. A file that is missing, no
-/// picture, damaged, or of another size than its sequence's first frame is a frame with a fault; next() does
-/// not throw.
+/// thread of its own, so that reading overlaps with computing. Memory: two steps, the caller's and the next.
+/// A file that is missing, no picture, damaged, or of a wrong size (ReadOptions::size) is a frame with a
+/// fault; next() does not throw.
 class SequenceReader {
 public:
     /// Frames from the smallest first to the largest last of the sequences; missing ones are given as such.

@@ -112,6 +112,14 @@ TEST_F(CompareTest, ADamagedFrameIsABlankAndToldAtTheEnd) {
     EXPECT_THAT(notes, HasSubstr("A: 1 frame unreadable, drawn as blanks: 2; the first: " + path));
 }
 
+TEST_F(CompareTest, AFrameOfAnotherSizeIsABlankWhereTheSheetPicksItAlone) {
+    write_clip(folder, "a", 9, 5, {4}, busy);  // over the one of 65 x 37, the middle frame
+    options.video = "";
+    options.sheet_frames = 1;
+    ASSERT_EQ(run(), CompareEnd::done);
+    EXPECT_THAT(notes, HasSubstr("A: 1 frame unreadable, drawn as blanks: 4"));
+}
+
 TEST_F(CompareTest, WhatCannotBeWrittenIsKnownBeforeReading) {
     const auto code = [&] {
         try {

@@ -1,6 +1,9 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <thread>
 
 #include "base/hash.h"
 #include "image/png.h"
@@ -89,6 +92,37 @@ TEST(SequenceReader, WhatCannotBeReadIsAFault) {
         EXPECT_LE(frame.fault.size(), 1024U);
         EXPECT_EQ(frame.fault.find('\n'), std::string::npos);
     }
+}
+
+TEST(SequenceReader, TheSizeThatIsAskedForIsTheRightOne) {
+    const TemporaryFolder folder;
+    test::write_clip(folder.path(), 3);
+    image::Image small;
+    small.width = 16;
+    small.height = 8;
+    for (const char* name : {"R", "G", "B"}) small.add(name);
+    test::write_raw(test::frame_path(folder.path(), 1), small);
+    image::write_png(folder / "png.0001.png", 16, 8, std::vector<std::uint8_t>(16 * 8 * 3));
+    ReadOptions options;
+    options.size = {test::kWidth, test::kHeight};
+    const std::vector<ReadFrame> frames = read_all(folder / "clip.%04d.exr", options);
+    EXPECT_THAT(frames[0].fault, AllOf(HasSubstr("16 x 8"), HasSubstr("120 x 72")));
+    EXPECT_TRUE(frames[1].picture.has_value()) << frames[1].fault;
+    EXPECT_THAT(read_all(folder / "png.0001.png", options)[0].fault, HasSubstr("120 x 72"));
+}
+
+TEST(SequenceReader, ReadsOneStepAheadAndNoMore) {
+    const TemporaryFolder folder;
+    test::write_clip(folder.path(), 4);
+    SequenceReader reader({find_sequence(folder.path())}, {});
+    EXPECT_TRUE(reader.next()[0].picture.has_value());
+    // Reading a frame takes a millisecond: a reader that goes on to the third one has done so by then.
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    std::filesystem::remove(test::frame_path(folder.path(), 2));
+    std::filesystem::remove(test::frame_path(folder.path(), 3));
+    EXPECT_TRUE(reader.next()[0].picture.has_value());  // was read ahead
+    EXPECT_TRUE(reader.next()[0].missing);
+    EXPECT_TRUE(reader.next()[0].picture.has_value());
 }
 
 TEST(SequenceReader, PngAndGradedPicturesAreDisplayReferred) {

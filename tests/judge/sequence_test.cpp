@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <limits>
 
 #include "base/error.h"
 #include "image/temporary_folder.h"
@@ -110,6 +111,39 @@ TEST_F(FindSequence, AManifestSaysWhatIsExpected) {
     const Sequence graded = find_sequence(folder.path(), Pictures::graded);
     EXPECT_THAT(frames(graded), ElementsAre(3));
     EXPECT_EQ(graded.expected.at(3).content_hash, "two");
+}
+
+TEST_F(FindSequence, AManifestOfNoClipIsRefused) {
+    const auto failure = [&](std::int64_t first, std::int64_t last, scene::Rational fps) {
+        run::Manifest manifest;
+        manifest.clip.name = "pool";
+        manifest.clip.fps = fps;
+        manifest.clip.first_frame = first;
+        manifest.clip.last_frame = last;
+        run::write_manifest(folder / "manifest.json", manifest);
+        return failure_of(folder / "manifest.json");
+    };
+    constexpr std::int64_t most = std::numeric_limits<std::int64_t>::max();
+    EXPECT_THAT(failure(0, most, {24, 1}), HasSubstr("no clip"));
+    EXPECT_THAT(failure(-most, most, {24, 1}), HasSubstr("no clip"));  // the length overflows
+    EXPECT_THAT(failure(5, 4, {24, 1}), HasSubstr("no clip"));
+    EXPECT_THAT(failure(1, 4, {0, 0}), HasSubstr("no frame rate"));
+    EXPECT_THAT(failure(1, 4, {24, 0}), HasSubstr("no frame rate"));
+    EXPECT_THAT(failure(1, 4, {-24, 1}), HasSubstr("no frame rate"));
+    EXPECT_THAT(failure(1, 4, {24, 1}), HasSubstr("none of the clip's frames"));
+}
+
+TEST_F(FindSequence, SequencesFarApartAreNotJudgedTogether) {
+    make({"a/a.1.exr", "a/a.5.exr", "b/b.20240101.exr"});
+    const Sequence a = find_sequence(folder / "a"), b = find_sequence(folder / "b");
+    EXPECT_THAT(all_frames({a}), ElementsAre(1, 2, 3, 4, 5));
+    try {
+        all_frames({a, b});
+        FAIL();
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ExitCode::input_unreadable);
+        EXPECT_THAT(error.what(), AllOf(HasSubstr("20240101"), HasSubstr("at most")));
+    }
 }
 
 TEST_F(FindSequence, AnotherProgramsManifestDoesNotHidePictures) {
