@@ -107,10 +107,22 @@ void BandFlicker::add(const std::vector<float>& values, const std::vector<std::u
     ring_[frames_ % kMostFrames] = {values, excluded};
     ++frames_;
     if (frames_ < kMostFrames || frames_ % (kMostFrames / 2) != 0) return;
-    const std::vector<double> energies = window_energies();
-    for (std::size_t band = 0; band < kBands; ++band) energies_[band] += energies[band];
-    ++windows_;
+    add_window(energies_, weight_);
     last_window_end_ = frames_;
+}
+
+void BandFlicker::gap() {
+    if (has_rest()) add_window(energies_, weight_);
+    ring_.clear();
+    frames_ = 0;
+    last_window_end_ = 0;
+}
+
+void BandFlicker::add_window(std::vector<double>& energies, double& weight) const {
+    const std::vector<double> window = window_energies();
+    const auto frames = static_cast<double>(ring_.size());
+    for (std::size_t band = 0; band < kBands; ++band) energies[band] += frames * window[band];
+    weight += frames;
 }
 
 std::vector<double> BandFlicker::window_energies() const {
@@ -148,17 +160,13 @@ std::vector<double> BandFlicker::window_energies() const {
 
 std::vector<BandFlicker::Band> BandFlicker::bands() const {
     std::vector<double> energies = energies_;
-    std::size_t windows = windows_;
-    if (frames_ > last_window_end_) {
-        const std::vector<double> rest = window_energies();
-        for (std::size_t band = 0; band < kBands; ++band) energies[band] += rest[band];
-        ++windows;
-    }
+    double weight = weight_;
+    if (has_rest()) add_window(energies, weight);
     std::vector<Band> bands(kBands);
     for (std::size_t band = 0; band < kBands; ++band) {
         bands[band].low_hz = band == 0 ? 0 : fps_ / static_cast<double>(2 << (kBands - band));
         bands[band].high_hz = fps_ / static_cast<double>(2 << (kBands - 1 - band));
-        bands[band].energy = energies[band] / static_cast<double>(std::max<std::size_t>(1, windows));
+        bands[band].energy = weight > 0 ? energies[band] / weight : 0;
     }
     return bands;
 }

@@ -19,6 +19,9 @@ public:
     explicit BandFlicker(double fps);
     /// D of the next frame, all of one size. A window leaves out pixels that any of its frames excludes.
     void add(const std::vector<float>& values, const std::vector<std::uint32_t>& excluded = {});
+    /// What is added next does not follow what was added last: windows end here as at the end of a clip, and
+    /// begin anew. A window weighs as much as it has frames; a frame alone is none.
+    void gap();
 
     struct Band {
         double low_hz = 0;
@@ -38,12 +41,15 @@ private:
     };
     /// Mean over pixels of the energies of the last min(frames_, kWindow) frames.
     std::vector<double> window_energies() const;
+    /// Adds that window, by its weight, to sums.
+    void add_window(std::vector<double>& energies, double& weight) const;
+    bool has_rest() const { return frames_ > last_window_end_ && frames_ > 1; }
 
     double fps_;
-    std::size_t frames_ = 0;  ///< so far
+    std::size_t frames_ = 0;  ///< since the last gap
     std::vector<Frame> ring_;
-    std::vector<double> energies_;  ///< sums over the windows so far
-    std::size_t windows_ = 0;
+    std::vector<double> energies_;  ///< sums over the windows so far, each by its weight
+    double weight_ = 0;             ///< of these
     std::size_t last_window_end_ = 0;
 };
 

@@ -102,6 +102,28 @@ TEST(BandFlicker, TheLastWindowEndsAtTheLastFrame) {
     EXPECT_NEAR(sum, (squares - constant * constant / 32) / weights / 2, 1e-6);
 }
 
+TEST(BandFlicker, AGapIsNoChange) {
+    // Still runs at different levels: joined they would be a step, or a flicker.
+    BandFlicker still(kFps), alternating(kFps), mixed(kFps);
+    for (int t = 0; t < 60; ++t) {
+        if (t == 20 || t == 50) still.gap();
+        still.add(std::vector<float>(kPixels, t < 20 ? 1.0f : t < 50 ? 3.0f : 2.0f));
+        alternating.gap();  // frames 1, 3, 5 of a clip that are judged alone
+        alternating.add(std::vector<float>(kPixels, t % 2 == 0 ? 1.25f : 0.75f));
+        // 32 frames alternate, 28 stand still: windows of 32 and 28 frames.
+        if (t == 32) mixed.gap();
+        mixed.add(std::vector<float>(kPixels, t < 32 && t % 2 == 0 ? 1.25f : 0.75f));
+    }
+    for (const BandFlicker::Band& band : still.bands()) EXPECT_EQ(band.energy, 0);
+    for (const BandFlicker::Band& band : alternating.bands()) EXPECT_EQ(band.energy, 0);
+    EXPECT_NEAR(mixed.bands()[3].energy, 0.0625 * 32 / 60, 1e-7);
+    // Memory is that of a run's window: pictures of another size may follow.
+    mixed.gap();
+    mixed.gap();
+    mixed.add(std::vector<float>(10, 1.0f));
+    EXPECT_NEAR(mixed.bands()[3].energy, 0.0625 * 32 / 60, 1e-7);
+}
+
 TEST(BandFlicker, LeavesOutExcludedPixels) {
     BandFlicker with(kFps);
     for (int t = 0; t < 40; ++t) {
