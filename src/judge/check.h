@@ -87,7 +87,8 @@ struct FrameFigures {
     std::uint64_t bytes = 0;
     bool readable = false;
     std::size_t not_finite = 0;  ///< pixels
-    double mean = 0;             ///< of luminance
+    /// Of luminance; NaN where no pixel counts. With a reference over the pixels that count in both.
+    double mean = 0;
     std::optional<double> reference_mean;
     std::optional<metrics::FrameFlicker> temporal;  ///< where both neighbours are there
     std::optional<metrics::Errors> errors;
@@ -129,7 +130,7 @@ struct CheckResult {
     Pixel worst_pixel;             ///< of the temporal deviation
     double worst_deviation = 0;    ///< there: root of the mean square of H, over the clip's mean
     std::vector<float> deviation;  ///< a value a pixel, where maps are kept
-    double level = 0;              ///< median of the pilots' mean luminance
+    double level = 0;              ///< largest of the pilots' mean luminances
     double decode_cpu_s = 0, metrics_cpu_s = 0, wall_s = 0;
     std::uint64_t peak_memory = 0;
 };

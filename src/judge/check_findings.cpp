@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdio>
 #include <functional>
-#include <set>
 #include <string>
 #include <utility>
 
@@ -51,6 +50,11 @@ std::vector<Finding> joined(std::vector<Finding> findings) {
     return runs;
 }
 
+bool alike(const Shift& a, const Shift& b) {
+    constexpr double kAlike = 0.25;  // pixels
+    return std::abs(a.dx - b.dx) <= kAlike && std::abs(a.dy - b.dy) <= kAlike;
+}
+
 const FrameFigures* find(const CheckResult& result, std::int64_t frame) {
     const auto place = std::ranges::lower_bound(result.frames, frame, {}, &FrameFigures::frame);
     return place != result.frames.end() && place->frame == frame ? &*place : nullptr;
@@ -78,10 +82,10 @@ double brightness_change(const CheckResult& result, std::int64_t frame) {
 
 Finding finding_of(const Jump& jump, const FrameMeasurer::Found& found, const CheckResult& result) {
     Finding finding{FindingKind::jump, jump.frame, std::nullopt, std::nullopt, ""};
-    const bool end =
-        !result.frames.empty() && (jump.frame == result.frames.back().frame ||
-                                   (result.frames.size() > 1 && jump.frame == result.frames[1].frame));
-    const std::string place = jump.frame == result.frames.back().frame ? "last" : "first";
+    const bool last = jump.frame == result.frames.back().frame;
+    // The change into the second frame is one out of the first.
+    const bool first = !last && result.frames.size() > 1 && jump.frame == result.frames[1].frame;
+    const std::string place = last ? "last" : "first";
     switch (jump.kind) {
         case Jump::Kind::flash:
             finding.kind = FindingKind::flash;
@@ -94,12 +98,15 @@ Finding finding_of(const Jump& jump, const FrameMeasurer::Found& found, const Ch
             finding.text = "pops: a region differs from what it is in both neighbours";
             break;
         case Jump::Kind::step:
-            finding.text = end ? "jumps: the " + place + " frame does not go with the others"
-                               : "jumps: it does not continue the frame before";
+            finding.text = first || last ? "jumps: the " + place + " frame does not go with the others"
+                                         : "jumps: it does not continue the frame before";
+            if (first) finding.frame = result.frames.front().frame;
             break;
         case Jump::Kind::region_step:
             finding.region = jump.region;
-            finding.text = "jumps: a region does not continue the frame before";
+            finding.text = first ? "jumps: a region of the first frame does not go with the others"
+                                 : "jumps: a region does not continue the frame before";
+            if (first) finding.frame = result.frames.front().frame;
             break;
     }
     const auto same = found.same.find(jump.frame);
@@ -113,9 +120,21 @@ Finding finding_of(const Jump& jump, const FrameMeasurer::Found& found, const Ch
     return finding;
 }
 
+/// Whether the clip stands still or holds its frames, so that a repeat is no defect: more than half of the
+/// frames repeat, or as good as half of them, never two in a row, as animation on twos does.
+bool holds_frames(const FrameMeasurer::Found& found) {
+    constexpr std::size_t kLeastPairs = 6;
+    const std::size_t repeats = found.repeats.size();
+    if (2 * repeats > found.pairs) return true;
+    const bool in_a_row = std::ranges::adjacent_find(found.repeats, [](std::int64_t a, std::int64_t b) {
+                              return b == a + 1;
+                          }) != found.repeats.end();
+    return found.pairs >= kLeastPairs && 2 * repeats + 1 >= found.pairs && !in_a_row;
+}
+
 void add_repeats(const FrameMeasurer::Found& found, CheckResult& result) {
     if (found.repeats.empty()) return;
-    if (2 * found.repeats.size() > found.pairs) {
+    if (holds_frames(found)) {
         result.notes.push_back(std::to_string(found.repeats.size()) + " of " + std::to_string(found.pairs) +
                                " frames equal the frame before: the clip stands still or holds its frames");
         return;
@@ -128,9 +147,7 @@ void add_repeats(const FrameMeasurer::Found& found, CheckResult& result) {
 
 /// Frames shifted alike, one after another, are one finding. A repeated frame of moving water looks shifted
 /// too, and has its own name.
-std::set<std::int64_t> add_shifts(const FrameMeasurer::Found& found, CheckResult& result) {
-    constexpr double kAlike = 0.25;  // pixels
-    std::set<std::int64_t> shifted;
+void add_shifts(const FrameMeasurer::Found& found, CheckResult& result) {
     const FrameFigures* run = nullptr;
     std::int64_t last = 0;
     const auto end_run = [&] {
@@ -149,29 +166,48 @@ std::set<std::int64_t> add_shifts(const FrameMeasurer::Found& found, CheckResult
             end_run();
             continue;
         }
-        shifted.insert(figures.frame);
-        if (run != nullptr && (std::abs(figures.shift->dx - run->shift->dx) > kAlike ||
-                               std::abs(figures.shift->dy - run->shift->dy) > kAlike)) {
-            end_run();
-        }
+        if (run != nullptr && !alike(*figures.shift, *run->shift)) end_run();
         if (run == nullptr) run = &figures;
         last = figures.frame;
     }
     end_run();
-    return shifted;
+}
+
+/// Whether the frame itself is where the others are not: unlike its two nearest neighbours it has no shift,
+/// because it lies right, or because something else about it hides its shift. It is no consequence of theirs.
+bool is_odd(const CheckResult& result, const FrameFigures& figures) {
+    if (figures.shift) return false;
+    const FrameFigures* before = find(result, figures.frame - 1);
+    const FrameFigures* after = find(result, figures.frame + 1);
+    if (before == nullptr) before = find(result, figures.frame + 2);
+    if (after == nullptr) after = find(result, figures.frame - 2);
+    return before != nullptr && after != nullptr && before->shift && after->shift &&
+           alike(*before->shift, *after->shift);
+}
+
+/// Whether the shift changes between two frames, which then differ for that.
+bool shift_changes(const CheckResult& result, std::int64_t frame) {
+    const FrameFigures* before = find(result, frame - 1);
+    const FrameFigures* now = find(result, frame);
+    if (before == nullptr || now == nullptr || (!before->shift && !now->shift)) return false;
+    if (is_odd(result, *before) || is_odd(result, *now)) return false;
+    return !before->shift || !now->shift || !alike(*before->shift, *now->shift);
 }
 
 void add_drift(const std::vector<std::int64_t>& jumps, CheckResult& result) {
-    double reference_mean = 0;
+    constexpr double kDark = 0.1;  // of the brightest frame: darker ones tell little of the light's share
+    double brightest = 0;
+    for (const FrameFigures& figures : result.frames) {
+        brightest = std::max(brightest, figures.reference_mean.value_or(0));
+    }
+    // Over each frame's own mean, so that light that is lost by a growing share is no scatter where the water
+    // makes the frames differently bright.
     std::vector<std::pair<std::int64_t, double>> errors;
     for (const FrameFigures& figures : result.frames) {
-        if (!figures.reference_mean) continue;
-        reference_mean += *figures.reference_mean;
-        errors.emplace_back(figures.frame, figures.mean - *figures.reference_mean);
+        const double expected = figures.reference_mean.value_or(0);
+        if (expected <= 0 || expected < kDark * brightest) continue;
+        errors.emplace_back(figures.frame, (figures.mean - expected) / expected);
     }
-    if (reference_mean <= 0) return;
-    reference_mean /= static_cast<double>(errors.size());
-    for (auto& [frame, error] : errors) error /= reference_mean;
     const std::optional<Drift> drift = find_drift(errors, jumps);
     if (!drift) return;
     result.findings.push_back({FindingKind::drift, std::nullopt, std::nullopt, std::nullopt,
@@ -206,6 +242,9 @@ void add_limit(CheckResult& result, const std::string& what, const std::optional
 
 void add_limits(CheckResult& result) {
     const CheckLimits& limits = result.options.limits;
+    if (limits.max_flicker && result.flicker.frames.empty()) {
+        result.notes.push_back("--max-flicker: no frame has both neighbours, so none was held against it");
+    }
     using Figure = std::optional<double>;
     add_limit(result, "flicker", limits.max_flicker, true, [&](const FrameFigures& figures) -> Figure {
         const auto frame = result.flicker.frames.find(figures.frame);
@@ -287,22 +326,19 @@ void add_findings(const FrameMeasurer::Found& found, std::vector<Finding> findin
     });
     result.findings = joined(std::move(findings));
     add_repeats(found, result);
-    const std::set<std::int64_t> shifted = add_shifts(found, result);
+    add_shifts(found, result);
     std::vector<std::int64_t> jumps;
     for (const Jump& jump : found.jumps) {
-        const auto explained = [&](std::int64_t frame) {
-            return shifted.contains(frame) || std::ranges::find(found.repeats, frame) != found.repeats.end();
+        const bool alone = jump.kind == Jump::Kind::flash || jump.kind == Jump::Kind::pop;
+        const auto repeated = [&](std::int64_t frame) {
+            return std::ranges::find(found.repeats, frame) != found.repeats.end();
         };
-        // A frame that is shifted or repeated differs from the one after it too.
-        const FrameFigures* figures = find(result, jump.frame);
-        const std::int64_t before = figures != nullptr && figures != result.frames.data()
-                                        ? std::prev(figures)->frame
-                                        : jump.frame - 1;
-        if (explained(jump.frame) || explained(before)) continue;
+        // A frame that is repeated differs from the one after it too.
+        if (repeated(jump.frame) || repeated(jump.frame - 1)) continue;
+        if (shift_changes(result, jump.frame) || (alone && shift_changes(result, jump.frame + 1))) continue;
         result.findings.push_back(finding_of(jump, found, result));
         jumps.push_back(jump.frame);
-        const bool alone = jump.kind == Jump::Kind::flash || jump.kind == Jump::Kind::pop;
-        if (alone && figures != &result.frames.back()) jumps.push_back(std::next(figures)->frame);
+        if (alone) jumps.push_back(jump.frame + 1);
     }
     add_drift(jumps, result);
     add_limits(result);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <limits>
 #include <utility>
 
 #include "base/error.h"
@@ -24,7 +26,8 @@ std::string hash_of(const metrics::Picture& picture) {
 double mean_luminance(const metrics::Picture& picture) {
     double sum = 0;
     for (const float value : picture.luminance) sum += static_cast<double>(value);
-    return picture.counted() > 0 ? sum / static_cast<double>(picture.counted()) : 0;
+    return picture.counted() > 0 ? sum / static_cast<double>(picture.counted())
+                                 : std::numeric_limits<double>::quiet_NaN();
 }
 
 Pixel place_of(std::size_t index, int width) {
@@ -54,6 +57,11 @@ metrics::Picture in_rec709(const ReadFrame& frame) {
     return picture;
 }
 
+/// As FLIP takes it: LDR-FLIP the values as code values of a display, HDR-FLIP linear Rec.709.
+metrics::Picture for_flip(const ReadFrame& frame, FlipKind kind) {
+    return kind == FlipKind::ldr ? *frame.picture : in_rec709(frame);
+}
+
 }  // namespace
 
 FrameMeasurer::FrameMeasurer(const CheckOptions& options, const Pilots& pilots, double fps)
@@ -75,7 +83,8 @@ void FrameMeasurer::check_values(const ReadFrame& frame, FindingKind kind, const
 /// Whether frame and reference can be compared; what hinders it is a finding.
 void FrameMeasurer::pair(Step& step) {
     const ReadFrame& frame = step.frame;
-    step.whole = frame.picture.has_value();
+    // A frame without a pixel that counts is none.
+    step.whole = frame.picture && frame.picture->counted() > 0;
     if (!step.reference) return;
     ReadFrame& reference = *step.reference;
     const auto refuse = [&](FindingKind kind, const std::string& text) {
@@ -100,6 +109,7 @@ void FrameMeasurer::pair(Step& step) {
                     " and " + reference.path + " is not: compare pictures of one kind"));
     }
     metrics::exclude_together(*step.frame.picture, *reference.picture);
+    step.whole = frame.picture->counted() > 0;
 }
 
 void FrameMeasurer::check_repeat(Step& step) {
@@ -123,7 +133,9 @@ void FrameMeasurer::measure_errors(Step& step) {
     compared_ = true;
 }
 
-void FrameMeasurer::measure_flip(Step& step) {
+/// FLIP to the reference; where delta-FLIP is asked for, of the changes since the frame before as well, all
+/// in one call, which prepares each picture once.
+void FrameMeasurer::measure_flip(const Step* before, Step& step) {
     if (flip_kind_ == FlipKind::automatic) {
         flip_kind_ = options_.flip != FlipKind::automatic
                          ? options_.flip
@@ -134,13 +146,35 @@ void FrameMeasurer::measure_flip(Step& step) {
         const metrics::Picture reference = in_rec709(*step.reference);
         pilots_.exposures = metrics::exposures_of({&reference});
     }
-    const metrics::Flip flip =
+    const metrics::Picture frame = for_flip(step.frame, flip_kind_);
+    const metrics::Picture reference = for_flip(*step.reference, flip_kind_);
+    std::vector<metrics::FlipPair> pairs{{&frame, &reference}};
+    metrics::Picture frame_before, reference_before, frame_together, reference_together;
+    const bool delta = options_.delta_flip && before != nullptr && before->whole;
+    if (delta) {
+        frame_before = for_flip(before->frame, flip_kind_);
+        reference_before = for_flip(*before->reference, flip_kind_);
+        const metrics::Picture* frame_now = &frame;
+        const metrics::Picture* reference_now = &reference;
+        if (frame.excluded != frame_before.excluded) {
+            // The figure to the reference must not depend on what the frame before excludes.
+            metrics::exclude_together(frame_together = frame, frame_before);
+            metrics::exclude_together(reference_together = reference, reference_before);
+            frame_now = &frame_together;
+            reference_now = &reference_together;
+        }
+        pairs.push_back({frame_now, &frame_before});
+        pairs.push_back({reference_now, &reference_before});
+    }
+    const std::vector<metrics::Flip> flips =
         flip_kind_ == FlipKind::ldr
-            ? metrics::flip_ldr(*step.frame.picture, *step.reference->picture, options_.pixels_per_degree)
-            : metrics::flip_hdr(in_rec709(step.frame), in_rec709(*step.reference), *pilots_.exposures,
-                                options_.pixels_per_degree);
+            ? metrics::flips_ldr(pairs, options_.pixels_per_degree)
+            : metrics::flips_hdr(pairs, *pilots_.exposures, options_.pixels_per_degree);
+    const metrics::Flip& flip = flips.front();
     const auto worst = static_cast<std::size_t>(std::ranges::max_element(flip.map) - flip.map.begin());
-    figures_[step.figures].flip = {flip.mean, flip.weighted_median, flip.largest, place_of(worst, width_)};
+    FrameFigures& figures = figures_[step.figures];
+    figures.flip = {flip.mean, flip.weighted_median, flip.largest, place_of(worst, width_)};
+    if (delta) figures.delta_flip = metrics::delta_flip(flips[1].map, flips[2].map, frame_before.excluded);
 }
 
 /// What takes the frame before and this one.
@@ -153,21 +187,6 @@ void FrameMeasurer::measure_changes(Step& before, Step& step) {
     if (!step.reference) return;
     figures.difference = metrics::temporal_difference(*before.frame.picture, *step.frame.picture,
                                                       *before.reference->picture, *step.reference->picture);
-    if (!options_.delta_flip || flip_kind_ == FlipKind::none) return;
-    // A pixel that either frame excludes is 0 in it alone, and so has a change that is none.
-    std::vector<std::uint32_t> excluded;
-    std::ranges::set_union(before.frame.picture->excluded, step.frame.picture->excluded,
-                           std::back_inserter(excluded));
-    const auto map_of = [&](const ReadFrame& now, const ReadFrame& then) {
-        metrics::Picture a = in_rec709(now);
-        metrics::Picture b = in_rec709(then);
-        metrics::exclude_together(a, b);
-        return flip_kind_ == FlipKind::ldr
-                   ? metrics::flip_ldr(a, b, options_.pixels_per_degree).map
-                   : metrics::flip_hdr(a, b, *pilots_.exposures, options_.pixels_per_degree).map;
-    };
-    figures.delta_flip = metrics::delta_flip(map_of(step.frame, before.frame),
-                                             map_of(*step.reference, *before.reference), excluded);
 }
 
 /// What takes both neighbours: of the frame before the newest.
@@ -215,7 +234,10 @@ void FrameMeasurer::add_to_finder(const Step& step, bool repeat) {
         if (finder_) finder_->add_gap(step.frame.frame);
         return;
     }
-    if (!finder_) finder_ = std::make_unique<JumpFinder>(width_, height_, pilots_.level);
+    if (!finder_) {
+        if (pilots_.level <= 0) return;  // black so far
+        finder_ = std::make_unique<JumpFinder>(width_, height_, pilots_.level);
+    }
     const metrics::Picture* reference = step.reference ? &*step.reference->picture : nullptr;
     if (repeat) {
         finder_->add_repeat(step.frame.frame, *step.frame.picture, reference);
@@ -224,7 +246,15 @@ void FrameMeasurer::add_to_finder(const Step& step, bool repeat) {
     }
 }
 
+/// The frame does not follow the one before: numbers are left out.
+void FrameMeasurer::begin_anew(std::int64_t frame) {
+    steps_.clear();
+    bands_.gap();
+    if (finder_) finder_->add_gap(frame - 1);
+}
+
 void FrameMeasurer::add(ReadFrame frame, std::optional<ReadFrame> reference) {
+    if (!figures_.empty() && frame.frame != figures_.back().frame + 1) begin_anew(frame.frame);
     Step step;
     step.frame = std::move(frame);
     step.reference = std::move(reference);
@@ -243,10 +273,11 @@ void FrameMeasurer::add(ReadFrame frame, std::optional<ReadFrame> reference) {
         display_referred_ = step.frame.display_referred;
         check_values(step.frame, FindingKind::not_finite, "");
         check_repeat(step);
-        figures.mean = mean_luminance(*step.frame.picture);
-        if (pilots_.level <= 0) pilots_.level = figures.mean;  // the pilots are black, or could not be read
     }
     pair(step);
+    if (step.frame.picture) figures.mean = mean_luminance(*step.frame.picture);
+    // The pilots are black, or could not be read.
+    if (step.whole && pilots_.level <= 0) pilots_.level = figures.mean;
     Step* before = steps_.empty() ? nullptr : &steps_.back();
     if (before != nullptr && before->frame.picture && step.frame.picture) {
         ++found_.pairs;
@@ -260,13 +291,15 @@ void FrameMeasurer::add(ReadFrame frame, std::optional<ReadFrame> reference) {
         std::vector<float> values = step.frame.picture->luminance;
         if (step.reference) {
             measure_errors(step);
-            measure_flip(step);
+            measure_flip(before, step);
             for (std::size_t i = 0; i < values.size(); ++i) {
                 values[i] -= step.reference->picture->luminance[i];
             }
         }
         bands_.add(values, step.frame.picture->excluded);
         if (before != nullptr && before->whole) measure_changes(*before, step);
+    } else {
+        bands_.gap();
     }
     add_to_finder(step, repeat);
     steps_.push_back(std::move(step));
@@ -284,7 +317,7 @@ void FrameMeasurer::finish(CheckResult& result) {
     result.level = pilots_.level;
     result.frames = std::move(figures_);
     result.flicker = metrics::clip_flicker(flicker_);
-    if (!flicker_.empty()) result.bands = bands_.bands();
+    if (!result.flicker.frames.empty()) result.bands = bands_.bands();
     if (compared_) result.split = bias_.split();
     if (deviations_ == 0) return;
     std::vector<float> deviation(deviation_.size());

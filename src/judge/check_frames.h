@@ -20,7 +20,8 @@ public:
     FrameMeasurer(const CheckOptions& options, const Pilots& pilots, double fps);
     ~FrameMeasurer();
 
-    /// The next frame, and that of the reference where there is one. What cannot be read is a gap.
+    /// The next frame, and that of the reference where there is one. Numbers that are left out and what
+    /// cannot be read are gaps: no frame has a neighbour across one.
     void add(ReadFrame frame, std::optional<ReadFrame> reference);
     /// After the last one.
     void finish(CheckResult& result);
@@ -45,10 +46,11 @@ private:
     };
 
     void check_values(const ReadFrame& frame, FindingKind kind, const std::string& whose);
+    void begin_anew(std::int64_t frame);
     void pair(Step& step);
     void check_repeat(Step& step);
     void measure_errors(Step& step);
-    void measure_flip(Step& step);
+    void measure_flip(const Step* before, Step& step);
     void measure_changes(Step& before, Step& step);
     void measure_middle();
     void add_to_finder(const Step& step, bool repeat);

@@ -277,8 +277,9 @@ std::string check_html(const CheckResult& result) {
     page.heading("Where");
     add_deviation(page, result);
     std::vector<Sequence> sequences{find_sequence(result.options.sequence, result.options.pictures)};
-    if (!result.options.reference.empty() && result.frames.size() > 1) {
+    if (!result.options.reference.empty()) {
         sequences.push_back(find_sequence(result.options.reference, result.options.pictures));
+        pair_singles(sequences[0], sequences[1]);
     }
     for (const Place& place : places_of(result)) add_place(page, result, sequences, place);
     page.paragraph("CPU seconds: " + short_number(result.metrics_cpu_s) + " for metrics, " +

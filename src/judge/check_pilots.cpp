@@ -9,16 +9,13 @@
 namespace dapple::judge {
 namespace {
 
-/// First, middle and last of the wanted frames that are there.
+/// Of the wanted frames that are there.
 std::vector<std::int64_t> pilots_of(const Sequence& sequence, const std::vector<std::int64_t>& frames) {
     std::vector<std::int64_t> there;
     for (const std::int64_t frame : frames) {
         if (sequence.files.contains(frame)) there.push_back(frame);
     }
-    if (there.empty()) return {};
-    std::vector<std::int64_t> pilots{there.front(), there[there.size() / 2], there.back()};
-    pilots.erase(std::ranges::unique(pilots).begin(), pilots.end());
-    return pilots;
+    return pilot_frames(there);
 }
 
 std::vector<ReadFrame> read(const Sequence& sequence, const std::vector<std::int64_t>& frames,
@@ -44,16 +41,21 @@ double mean_of(const std::vector<float>& values, std::size_t counted) {
 
 }  // namespace
 
+std::vector<std::int64_t> pilot_frames(const std::vector<std::int64_t>& frames) {
+    if (frames.empty()) return {};
+    std::vector<std::int64_t> pilots{frames.front(), frames[frames.size() / 2], frames.back()};
+    pilots.erase(std::ranges::unique(pilots).begin(), pilots.end());
+    return pilots;
+}
+
 Pilots read_pilots(const Sequence& sequence, const Sequence* reference,
                    const std::vector<std::int64_t>& frames, const CheckOptions& options,
                    double& decode_cpu_s) {
     Pilots pilots;
-    std::vector<double> levels;
     for (const ReadFrame& frame : read(sequence, pilots_of(sequence, frames), options.layer, decode_cpu_s)) {
-        levels.push_back(mean_of(frame.picture->luminance, frame.picture->counted()));
+        // The largest: a clip that fades in and out has black pilots.
+        pilots.level = std::max(pilots.level, mean_of(frame.picture->luminance, frame.picture->counted()));
     }
-    std::ranges::sort(levels);
-    if (!levels.empty()) pilots.level = levels[levels.size() / 2];
     if (reference == nullptr) return pilots;
 
     std::vector<ReadFrame> references =

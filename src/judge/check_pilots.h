@@ -8,10 +8,13 @@
 
 namespace dapple::judge {
 
+/// First, middle and last of frames in ascending order, each once.
+std::vector<std::int64_t> pilot_frames(const std::vector<std::int64_t>& frames);
+
 /// What is fixed for a clip before its frames are judged one after the other: from the pilots, the first, the
 /// middle and the last frame wanted that are there.
 struct Pilots {
-    double level = 0;           ///< median of their mean luminance
+    double level = 0;           ///< largest of their mean luminances
     double reference_mean = 0;  ///< mean of the reference's R, G and B
     std::optional<metrics::Exposures> exposures;
 };

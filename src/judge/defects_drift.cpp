@@ -5,6 +5,11 @@
 #include <cstddef>
 
 namespace dapple::judge {
+namespace {
+
+constexpr double kMostCorrelation = 0.98;
+
+}  // namespace
 
 std::optional<Drift> find_drift(const std::vector<std::pair<std::int64_t, double>>& errors,
                                 const std::vector<std::int64_t>& jumps) {
@@ -39,8 +44,12 @@ std::optional<Drift> find_drift(const std::vector<std::pair<std::int64_t, double
         if (i > 0) neighbours += residual * before;
         before = residual;
     }
-    // Variance of the slope; of a first-order autoregressive scatter (1 + r) / (1 - r) times as large.
-    const double correlation = squares > 0 ? std::clamp(neighbours / squares, 0.0, 0.95) : 0;
+    // Variance of the slope; of a first-order autoregressive scatter (1 + r) / (1 - r) times as large. Of few
+    // residuals r is uncertain, by 1 / sqrt(n), and too small, by about (2 + 4 r) / n, as the line follows
+    // the scatter: two standard errors more are taken, and what is missing.
+    const double estimate = squares > 0 ? neighbours / squares : 0;
+    const double correlation =
+        std::clamp(estimate + (2 + 4 * estimate) / n + 2 / std::sqrt(n), 0.0, kMostCorrelation);
     const double variance = squares / (n - 2) / xx * (1 + correlation) / (1 - correlation);
     const double total = slope * (x.back() - x.front());
     if (std::abs(total) < kLeastDrift || slope * slope < kDriftSigma * kDriftSigma * variance) {

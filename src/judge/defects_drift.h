@@ -14,12 +14,13 @@ struct Drift {
 
 /// Whether a series of (frame, relative mean error) drifts: the slope of its least-squares line is
 /// kDriftSigma times as large as its scatter about the line makes it uncertain, scatter that lasts over
-/// frames counted as such (the residuals' autocorrelation at one step widens the uncertainty), and it makes
-/// kLeastDrift over the clip. `jumps`: frames whose change from the frame before is taken out of the series,
-/// for it has another cause. Nothing below kLeastDriftFrames values.
+/// frames counted as such (the residuals' autocorrelation at one step, with what is uncertain of it, widens
+/// the uncertainty), and it makes kLeastDrift over the clip. Of first-order autoregressive scatter of
+/// correlation 0.9 not one series of 100 drifts. `jumps`: frames whose change from the frame before is taken
+/// out of the series, for it has another cause. Nothing below kLeastDriftFrames values.
 inline constexpr double kDriftSigma = 6;
 inline constexpr double kLeastDrift = 0.002;
-inline constexpr std::size_t kLeastDriftFrames = 8;
+inline constexpr std::size_t kLeastDriftFrames = 16;
 std::optional<Drift> find_drift(const std::vector<std::pair<std::int64_t, double>>& errors,
                                 const std::vector<std::int64_t>& jumps);
 

@@ -97,6 +97,7 @@ void JumpFinder::add_gap(std::int64_t frame) {
 }
 
 void JumpFinder::add_plane(std::int64_t frame, bool repeat, Plane plane) {
+    if (!(level_ > 0)) return;
     planes_.push_back(std::move(plane));
     if (planes_.size() > 3) planes_.pop_front();
     signals_.emplace_back();
@@ -238,6 +239,7 @@ std::vector<std::size_t> JumpFinder::near(Field field, Touched touched) const {
     const bool two_sided = field == &Signals::bend;
     const auto usable = [&](std::size_t i) {
         if ((signals_[i].*field).empty() || signals_[i].alone) return false;
+        if (field == &Signals::change && signals_[i].repeat) return false;  // it says nothing of motion
         if (i > 0 && signals_[i - 1].alone) return false;
         return !(two_sided && i + 1 < signals_.size() && signals_[i + 1].alone);
     };

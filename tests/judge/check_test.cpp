@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -9,6 +10,7 @@
 #include "base/error.h"
 #include "base/hash.h"
 #include "base/stats.h"
+#include "image/exr.h"
 #include "image/png.h"
 #include "image/temporary_folder.h"
 #include "judge/check_report.h"
@@ -22,7 +24,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-constexpr int kFrames = 14;
+constexpr int kFrames = 18;
 
 /// "kind frame", of every finding.
 std::vector<std::string> found(const CheckResult& result) {
@@ -96,7 +98,229 @@ TEST_F(Check, AStillOrHeldClipIsNoRowOfDuplicates) {
                      [](int number, image::Image& frame) { frame = test::clean_frame((number + 1) / 2); });
     const CheckResult held = check_clip();
     EXPECT_THAT(found(held), IsEmpty());
-    EXPECT_THAT(held.notes, ElementsAre(HasSubstr("7 of 13")));
+    EXPECT_THAT(held.notes, ElementsAre(HasSubstr("9 of 17")));
+    // An odd number of frames has as many repeats as changes; begun with a single frame one less.
+    std::filesystem::remove(path(kFrames));
+    const CheckResult odd = check_clip();
+    EXPECT_THAT(found(odd), IsEmpty());
+    EXPECT_THAT(odd.notes, ElementsAre(HasSubstr("8 of 16")));
+    std::filesystem::remove(path(1));
+    EXPECT_THAT(found(check_clip()), IsEmpty());
+}
+
+TEST_F(Check, ARepeatAmongFewFramesIsADuplicate) {
+    test::write_clip(folder / "clip", 3, [](int number, image::Image& frame) {
+        if (number == 2) frame = test::clean_frame(1);
+    });
+    EXPECT_THAT(found(check_clip()), ElementsAre("duplicate 2"));
+    // Three in a row of 8 frames are no animation on twos, though as many of their pairs.
+    std::filesystem::remove_all(folder / "clip");
+    test::write_clip(folder / "clip", 8, [](int number, image::Image& frame) {
+        if (number >= 4 && number <= 6) frame = test::clean_frame(3);
+    });
+    const CheckResult stuck = check_clip();
+    EXPECT_THAT(found(stuck), ElementsAre("duplicate 4", "duplicate 5", "duplicate 6"));
+}
+
+TEST_F(Check, FramesThatAreLeftOutAreGaps) {
+    // Alternating brightness: of every second frame nothing is known of its neighbours.
+    test::write_clip(folder / "clip", kFrames,
+                     [](int number, image::Image& frame) { test::scale(frame, number % 4 == 1 ? 1.5 : 1); });
+    test::write_clip(folder / "reference", kFrames);
+    CheckOptions options;
+    options.sequence = folder / "clip";
+    options.reference = folder / "reference";
+    options.frames = FrameSet::parse("1-17x2");
+    options.limits.max_flicker = 0;
+    const CheckResult apart = check(options);
+    EXPECT_EQ(apart.frames.size(), 9U);
+    for (const FrameFigures& figures : apart.frames) {
+        EXPECT_TRUE(figures.errors);
+        EXPECT_FALSE(figures.temporal) << figures.frame;
+        EXPECT_FALSE(figures.difference) << figures.frame;
+    }
+    EXPECT_THAT(apart.bands, IsEmpty());
+    EXPECT_THAT(found(apart), IsEmpty());
+    EXPECT_THAT(apart.notes, ElementsAre(HasSubstr("--max-flicker: no frame has both neighbours")));
+
+    // Two runs that differ: none knows the other.
+    test::write_clip(folder / "clip", kFrames, [](int number, image::Image& frame) {
+        if (number > 8) test::scale(frame, 2);
+    });
+    options.limits = {};
+    options.reference = "";
+    options.frames = FrameSet::parse("1-7,11-18");
+    const CheckResult runs = check(options);
+    EXPECT_THAT(found(runs), IsEmpty());
+    EXPECT_FALSE(runs.frames[6].temporal);
+    EXPECT_FALSE(runs.frames[7].temporal);
+    EXPECT_TRUE(runs.frames[8].temporal);
+    options.frames = FrameSet::parse("1-7");
+    const CheckResult first = check(options);
+    options.frames = FrameSet::parse("11-18");
+    const CheckResult second = check(options);
+    for (std::size_t band = 0; band < runs.bands.size(); ++band) {
+        EXPECT_NEAR(runs.bands[band].energy,
+                    (7 * first.bands[band].energy + 8 * second.bands[band].energy) / 15, 1e-9);
+    }
+    EXPECT_GT(runs.bands.size(), 0U);
+}
+
+TEST_F(Check, AClipThatFadesInAndOutHasNoJumps) {
+    const auto fade = [](int number, image::Image& frame) {
+        // Black at both ends; nearly so the frames beside them.
+        const double ease = std::sin(3.14159265358979 * (number - 1) / (kFrames - 1));
+        test::scale(frame, number == 1 || number == kFrames ? 0 : ease * ease);
+    };
+    EXPECT_THAT(findings(fade), IsEmpty());
+    const CheckResult clean = check_clip();
+    EXPECT_GT(clean.level, 0.5 * clean.flicker.mean);
+    EXPECT_THAT(findings([&](int number, image::Image& frame) {
+                    fade(number, frame);
+                    if (number == 9) test::scale(frame, 4, 60, 20, 20, 20);
+                }),
+                ElementsAre("pop 9"));
+}
+
+TEST_F(Check, ABlackClipIsCleanAndHasNoFlicker) {
+    EXPECT_THAT(findings([](int number, image::Image& frame) {
+                    test::scale(frame, 0);
+                    frame.channels[0].values[static_cast<std::size_t>(number)] = 0.25f;
+                }),
+                IsEmpty());
+}
+
+TEST_F(Check, WhatIsOddAboutTheFirstOrLastFrameIsFoundThere) {
+    EXPECT_THAT(findings([](int number, image::Image& frame) {
+                    if (number == 1) test::scale(frame, 1.5);
+                }),
+                ElementsAre("jump 1"));
+    EXPECT_THAT(findings([](int number, image::Image& frame) {
+                    if (number == 1) test::scale(frame, 0, 40, 16, 40, 40);
+                }),
+                ElementsAre("jump 1"));
+    EXPECT_THAT(findings([](int number, image::Image& frame) {
+                    if (number == kFrames) test::scale(frame, 1.5);
+                }),
+                ElementsAre("jump " + std::to_string(kFrames)));
+}
+
+TEST_F(Check, AFrameWithoutANumberIsNoPartOfTheMean) {
+    const auto blank = [](int number, image::Image& frame) {
+        if (number != 7) return;
+        for (image::Channel& channel : frame.channels) {
+            std::ranges::fill(channel.values, std::numeric_limits<float>::quiet_NaN());
+        }
+    };
+    test::write_clip(folder / "clip", kFrames, blank);
+    const CheckResult result = check_clip();
+    EXPECT_THAT(found(result), ElementsAre("not_finite 7"));
+    double mean = 0;
+    for (const FrameFigures& figures : result.frames) {
+        if (figures.frame != 7) mean += figures.mean / (kFrames - 1);
+    }
+    EXPECT_NEAR(result.flicker.mean, mean, 1e-12 * mean);
+    EXPECT_TRUE(std::isnan(result.frames[6].mean));
+    EXPECT_FALSE(result.frames[5].temporal);  // it has no neighbour
+    EXPECT_TRUE(result.frames[4].temporal);
+    EXPECT_THAT(found(check_clip(true)), ElementsAre("not_finite 7"));
+}
+
+TEST_F(Check, MeansOfFrameAndReferenceAreOfTheSamePixels) {
+    test::write_clip(folder / "clip", 3);
+    test::write_clip(folder / "reference", 3, [](int number, image::Image& frame) {
+        if (number != 2) return;
+        for (std::size_t i = 0; i < 4000; ++i) {
+            frame.channels[0].values[i] = std::numeric_limits<float>::infinity();
+        }
+    });
+    CheckOptions options;
+    options.sequence = folder / "clip";
+    options.reference = folder / "reference";
+    const CheckResult result = check(options);
+    EXPECT_EQ(result.frames[1].mean, *result.frames[1].reference_mean);
+    EXPECT_EQ(result.frames[1].errors->largest, 0);
+}
+
+TEST_F(Check, DeltaFlipIsThatOfTheMapsOneByOne) {
+    test::write_clip(folder / "clip", 3, [](int number, image::Image& frame) {
+        test::scale(frame, number == 2 ? 1.3 : 1);
+        // Excluded in one frame alone.
+        if (number == 3) frame.channels[1].values[500] = std::numeric_limits<float>::infinity();
+    });
+    test::write_clip(folder / "reference", 3);
+    CheckOptions options;
+    options.sequence = folder / "clip";
+    options.reference = folder / "reference";
+    for (const FlipKind kind : {FlipKind::hdr, FlipKind::ldr}) {
+        options.flip = kind;
+        options.delta_flip = false;
+        const CheckResult without = check(options);
+        options.delta_flip = true;
+        const CheckResult with = check(options);
+        EXPECT_FALSE(with.frames[0].delta_flip);
+        const auto picture = [](int number, double factor) {
+            image::Image frame = test::clean_frame(number);
+            test::scale(frame, factor);
+            return metrics::picture_of(frame, "", "test");
+        };
+        const auto map = [&](const metrics::Picture& a, const metrics::Picture& b) {
+            return kind == FlipKind::ldr ? metrics::flip_ldr(a, b).map
+                                         : metrics::flip_hdr(a, b, *with.exposures).map;
+        };
+        metrics::Picture frames[] = {picture(1, 1), picture(2, 1.3), picture(3, 1)};
+        metrics::Picture references[] = {picture(1, 1), picture(2, 1), picture(3, 1)};
+        for (int i = 1; i < 3; ++i) {
+            const auto& flip = with.frames[static_cast<std::size_t>(i)].flip;
+            // What is asked for besides must not change the figure to the reference.
+            EXPECT_EQ(flip->mean, without.frames[static_cast<std::size_t>(i)].flip->mean);
+            if (i == 2) {
+                for (auto* pictures : {frames, references}) {
+                    for (int k : {1, 2}) {
+                        pictures[k].excluded = {500};
+                        for (auto& plane : pictures[k].rgb) plane[500] = 0;
+                    }
+                }
+            }
+            const auto expected = metrics::delta_flip(
+                map(frames[i], frames[i - 1]), map(references[i], references[i - 1]), frames[i].excluded);
+            const auto& delta = with.frames[static_cast<std::size_t>(i)].delta_flip;
+            ASSERT_TRUE(delta);
+            EXPECT_NEAR(delta->mean, expected.mean, 1e-9);
+            EXPECT_NEAR(delta->mean_absolute, expected.mean_absolute, 1e-9);
+        }
+    }
+}
+
+TEST_F(Check, LdrFlipTakesTheValuesAsTheyAre) {
+    // Of wide primaries, said to be code values: FLIP and delta-FLIP must both leave them alone, as the same
+    // values without primaries show.
+    const auto write = [&](const std::string& name, const image::Chromaticities& chromaticities,
+                           double gain) {
+        std::filesystem::create_directories(folder / name);
+        for (int number = 1; number <= 2; ++number) {
+            image::Image frame = test::clean_frame(number);
+            test::scale(frame, number == 2 ? gain : 1);
+            image::ExrOptions options;
+            options.chromaticities = chromaticities;
+            image::write_exr_verified(test::frame_path(folder / name, number), frame, options);
+        }
+    };
+    const auto figures = [&](const image::Chromaticities& chromaticities) {
+        write("a", chromaticities, 1.3);
+        write("b", chromaticities, 1);
+        CheckOptions options;
+        options.sequence = folder / "a";
+        options.reference = folder / "b";
+        options.flip = FlipKind::ldr;
+        options.delta_flip = true;
+        return check(options).frames[1];
+    };
+    const FrameFigures wide = figures(image::kAcesCgChromaticities);
+    const FrameFigures narrow = figures(metrics::kRec709);
+    EXPECT_GT(wide.flip->mean, 0.01);
+    EXPECT_EQ(wide.flip->mean, narrow.flip->mean);
+    EXPECT_EQ(wide.delta_flip->mean, narrow.delta_flip->mean);
 }
 
 TEST_F(Check, TruncatedAndForeignFilesAreDamaged) {
@@ -157,6 +381,46 @@ TEST_F(Check, ShiftAndDriftAreFoundWithAReference) {
     EXPECT_NEAR(all.frames[3].shift->dy, -1, 0.1);
 }
 
+TEST_F(Check, AShiftHidesNoJumpsButItsOwn) {
+    const auto shifted = [](int number, image::Image& frame) { frame = test::clean_frame(number, 1, 0); };
+    const auto with = [&](const test::Edit& edit) {
+        return findings(
+            [&](int number, image::Image& frame) {
+                shifted(number, frame);
+                edit(number, frame);
+            },
+            true);
+    };
+    EXPECT_THAT(with([](int number, image::Image& frame) {
+                    if (number == 8) test::scale(frame, 0.2, 60, 20, 20, 20);
+                }),
+                ElementsAre("pop 8", "shift 1", "shift 9"));
+    // What is too strong for its frame's shift to be told makes two runs of shifted frames.
+    EXPECT_THAT(with([](int number, image::Image& frame) {
+                    if (number == 8) test::scale(frame, 3);
+                }),
+                ElementsAre("flash 8", "shift 1", "shift 9"));
+    EXPECT_THAT(with([](int number, image::Image& frame) {
+                    if (number == kFrames) test::scale(frame, 3);
+                }),
+                ElementsAre("jump " + std::to_string(kFrames), "shift 1"));
+    // Where the shift begins and ends it is the cause.
+    EXPECT_THAT(findings(
+                    [&](int number, image::Image& frame) {
+                        if (number >= 6 && number <= 12) shifted(number, frame);
+                    },
+                    true),
+                ElementsAre("shift 6"));
+    for (const int at : {1, 2, 9, kFrames}) {
+        EXPECT_THAT(findings(
+                        [&](int number, image::Image& frame) {
+                            if (number == at) frame = test::clean_frame(number, 2, 0);
+                        },
+                        true),
+                    ElementsAre("shift " + std::to_string(at)));
+    }
+}
+
 TEST_F(Check, LimitsAreFindingsThatNameTheWorst) {
     test::write_clip(folder / "clip", kFrames, [](int, image::Image& frame) { test::scale(frame, 1.1); });
     test::write_clip(folder / "reference", kFrames);
@@ -212,6 +476,10 @@ TEST_F(Check, SinglePicturesAreComparedWhateverTheirNumbers) {
     EXPECT_EQ(json.at("clip").at("flip").get<double>(), result.clip.at("flip").mean);
     EXPECT_EQ(json.at("frames").at(0).at("flip").at("mean").get<double>(), result.frames[0].flip->mean);
     EXPECT_EQ(json.at("clip").at("flip_kind"), "ldr");
+    // The page shows both, the reference below: two crops of 192 px, 64 pixels enlarged three times.
+    options.maps = true;
+    options.limits.max_error = 0.01;  // a place to be shown
+    EXPECT_THAT(check_html(check(options)), HasSubstr("(below: the reference)"));
 }
 
 TEST_F(Check, TextJsonAndPageSayTheSame) {

@@ -115,6 +115,17 @@ TEST(JumpFinder, OddEndsAreFoundAsSteps) {
     }
 }
 
+TEST(JumpFinder, AClipWithoutLightHasNoJumps) {
+    // v = I / (I + 0) is 1 wherever there is any light.
+    JumpFinder finder(test::kWidth, test::kHeight, 0);
+    for (int number = 1; number <= kFrames; ++number) {
+        image::Image frame = clean_frame(number);
+        if (number < 8) test::scale(frame, 0);
+        finder.add(number, picture_of(frame), nullptr);
+    }
+    EXPECT_THAT(finder.finish(), IsEmpty());
+}
+
 TEST(JumpFinder, WithAReferenceWhatBothShowIsNoJump) {
     JumpFinder finder(test::kWidth, test::kHeight, 0.4);
     for (int number = 1; number <= kFrames; ++number) {
@@ -165,7 +176,8 @@ TEST(Drift, IsTheSlopeOfTheErrors) {
     // The slope's uncertainty is 1e-3 sqrt(1/12) / sqrt(48^3 / 12) = 3e-6.
     EXPECT_NEAR(drift->per_frame, 1e-3, 1e-5);
     EXPECT_NEAR(drift->total, 0.047, 5e-4);
-    EXPECT_TRUE(find_drift(series(12, [](int i) { return -5e-4 * i; }), {}).has_value());
+    EXPECT_TRUE(find_drift(series(16, [](int i) { return -5e-4 * i; }), {}).has_value());
+    EXPECT_FALSE(find_drift(series(15, [](int i) { return -5e-4 * i; }), {}).has_value());
 }
 
 TEST(Drift, ScatterWavesAndStepsAreNone) {
@@ -175,6 +187,30 @@ TEST(Drift, ScatterWavesAndStepsAreNone) {
     // One whole period has a line through it, and residuals that last.
     EXPECT_FALSE(find_drift(series(48, [](int i) { return 0.02 * std::sin(0.13 * i); }), {}).has_value());
     EXPECT_FALSE(find_drift(series(48, [](int i) { return 1e-5 * i; }), {}).has_value());  // below the floor
+}
+
+TEST(Drift, OneSeriesOfAHundredOfScatterThatLastsIsOneAtMost) {
+    // e_t = r e_(t-1) + sqrt(1 - r^2) w_t, w uniform of variance 1.
+    constexpr int kSeries = 4000;
+    for (const double r : {0.0, 0.5, 0.9}) {
+        for (const int count : {16, 24, 48}) {
+            int drifts = 0;
+            for (std::uint64_t k = 0; k < kSeries; ++k) {
+                double e = 0;
+                // 60 values before the first let e forget its beginning.
+                const auto value = [&](std::uint64_t i) {
+                    e = r * e + std::sqrt(12 * (1 - r * r)) * (hash_uniform(13, k, i, 0) - 0.5);
+                    return e;
+                };
+                for (std::uint64_t i = 0; i < 60; ++i) value(i);
+                const auto scatter =
+                    series(count, [&](int i) { return value(60 + static_cast<std::uint64_t>(i)); });
+                drifts += find_drift(scatter, {}).has_value() ? 1 : 0;
+            }
+            // Expected are 0.5 % at most: 1 % is 40 of 4000, 4 standard deviations above 20.
+            EXPECT_LE(drifts, kSeries / 100) << r << " " << count;
+        }
+    }
 }
 
 TEST(Drift, AJumpIsTakenOut) {
