@@ -54,7 +54,7 @@ void add_bench_verb(CLI::App& app, Run& run, int argc, const char* const* argv) 
     verb->add_option(
             "--set", options->plan.settings,
             "Override a key of the timeline in all runs, the reference too: path=value; caustics.KEY for "
-            "the methods that know KEY; may be repeated")
+            "the methods that know KEY; hard cases stay as they are; may be repeated")
         ->allow_extra_args(false);
     verb->add_option("-o,--output", options->folder, "Folder for runs and report; default: out/bench_NAME");
     verb->add_option("--repeats", options->repeats, "Processes a run, for its times; default: 3")

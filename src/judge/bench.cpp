@@ -11,6 +11,7 @@
 #include "judge/bench_hard_cases.h"
 #include "judge/bench_report.h"
 #include "judge/bench_runs.h"
+#include "judge/text.h"
 #include "run/output_paths.h"
 #include "timeline/timeline.h"
 
@@ -84,6 +85,7 @@ public:
 
 private:
     void plan() {
+        refuse_what_is_not_used();
         if (!options_.hard_cases.empty()) case_files_ = hard_case_files(options_.hard_cases);
         methods_ = methods_of(options_.plan);
         if (options_.timeline.empty()) return;
@@ -92,7 +94,7 @@ private:
         clip_ = timeline.clip();
         frames_ = frames_of(options_, clip_);
         result_.timeline = options_.timeline;
-        result_.frames = to_string(FrameSet::parse(joined_frames()));
+        result_.frames = frames_text(frames_);
         result_.layer = options_.layer;
         result_.width = clip_.width;
         result_.height = clip_.height;
@@ -110,10 +112,17 @@ private:
         }
     }
 
-    std::string joined_frames() const {
-        std::string text;
-        for (const std::int64_t frame : frames_) text += (text.empty() ? "" : ",") + std::to_string(frame);
-        return text;
+    /// What changes the timeline would change nothing of the hard cases, which are rendered as they are.
+    void refuse_what_is_not_used() const {
+        if (!options_.timeline.empty()) return;
+        const char* unused = !options_.plan.settings.empty()  ? "--set"
+                             : !options_.plan.ladders.empty() ? "--ladder"
+                             : !options_.frames.empty()       ? "--frames"
+                                                              : nullptr;
+        if (unused == nullptr) return;
+        throw Error(ExitCode::usage, std::string(unused) +
+                                         " is for a timeline, and none is named: hard cases are rendered as "
+                                         "they are");
     }
 
     /// False where it was interrupted, as the two below.
@@ -230,6 +239,8 @@ private:
     }
 
     bool hard_cases() {
+        if (!case_files_.empty() && !options_.plan.settings.empty())
+            reporter_.note("hard cases are rendered as they are, without --set");
         for (const std::string& file : case_files_) {
             const std::string name = std::filesystem::path(file).stem().string();
             HardCase judged =
@@ -255,16 +266,17 @@ private:
             failed += rung.failure.empty() ? 0 : 1;
             bits += rung.failure.empty() && !rung.timing.same_bits ? 1 : 0;
         }
-        std::size_t cases = 0;
-        for (const HardCase& hard : result_.hard_cases)
-            for (const CaseVerdict& verdict : hard.verdicts)
-                cases += verdict.verdict == CaseVerdict::Verdict::fails ? 1 : 0;
-        const bool good = failed + bits + cases == 0;
+        const std::vector<std::string> cases = case_failures(result_);
+        const bool good = failed + bits + cases.size() == 0;
         std::string text =
             "report " + options_.folder + "/index.html, in " + run::format_duration(reporter_.seconds());
         if (failed > 0) text = std::to_string(failed) + " rungs failed; " + text;
         if (bits > 0) text = std::to_string(bits) + " rungs do not repeat bit by bit; " + text;
-        if (cases > 0) text = std::to_string(cases) + " hard cases fail; " + text;
+        if (!cases.empty()) {
+            const std::string more =
+                cases.size() > 1 ? "; verdicts that fail: " + std::to_string(cases.size()) : std::string();
+            text = cases.front() + more + "; " + text;
+        }
         const ExitCode code = good ? ExitCode::done : ExitCode::check_failed;
         reporter_.run_ended(static_cast<int>(code), text);
         return code;

@@ -8,8 +8,9 @@
 
 #include "base/error.h"
 #include "image/exr.h"
+#include "judge/check_pilots.h"
 #include "metrics/errors.h"
-#include "metrics/flicker.h"
+#include "metrics/flicker_track.h"
 
 namespace dapple::judge {
 namespace {
@@ -18,8 +19,6 @@ using metrics::Picture;
 using metrics::picture_of;
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-/// Frames whose luminances decide the exposures of FLIP: their pictures are held together.
-constexpr std::size_t kExposureFrames = 8;
 constexpr double kBlock = 16;  ///< pixels of a block of metrics::Errors::block_rmse
 
 const std::vector<float>& channel(const image::Image& image, const std::string& name,
@@ -126,13 +125,6 @@ std::vector<float> luminance_variance(const Frame& reference, double samples) {
     return squares;
 }
 
-/// The difference of two pictures' luminances, as flicker wants it.
-Picture difference(const Picture& a, const Picture& b) {
-    Picture d = a;
-    for (std::size_t i = 0; i < d.luminance.size(); ++i) d.luminance[i] -= b.luminance[i];
-    return d;
-}
-
 double square(double x) {
     return x * x;
 }
@@ -155,7 +147,7 @@ struct Sums {
         block_squares += n * square(e.block_rmse);
         variance += n * mean_variance;
     }
-    double share(double sum) const { return mean != 0 ? sum / mean : 0; }
+    double share(double sum) const { return metrics::share_of(sum, mean); }
 };
 
 /// Mean over the pixels and channels of the picture that count, of the variance of E.
@@ -182,11 +174,11 @@ ErrorJudge::ErrorJudge(run::OutputPaths reference, std::vector<std::int64_t> fra
       samples_(samples) {
     std::sort(frames_.begin(), frames_.end());
     const bool noise_known = layer_ == "E";
-    const std::size_t stride = (frames_.size() + kExposureFrames - 1) / kExposureFrames;
+    const std::vector<std::int64_t> pilots = pilot_frames(frames_);
     std::vector<Picture> pictures;
     double sum = 0, count = 0, variance = 0, deviation = 0;
-    for (std::size_t f = 0; f < frames_.size(); ++f) {
-        const Frame frame = read(reference_, frames_[f], layer_, noise_known);
+    for (const std::int64_t number : frames_) {
+        const Frame frame = read(reference_, number, layer_, noise_known);
         const Picture picture = picture_of(frame.image, layer_, frame.path);
         const std::vector<float>& covered = frame["covered"];
         std::vector<float> squares;
@@ -199,12 +191,13 @@ ErrorJudge::ErrorJudge(run::OutputPaths reference, std::vector<std::int64_t> fra
             variance += static_cast<double>(squares[i]);
             deviation += std::sqrt(static_cast<double>(squares[i]));
         }
-        if (f % stride == 0) {
+        if (std::ranges::find(pilots, number) != pilots.end()) {
             pictures.push_back(picture_of(frame.image, "", frame.path));
             to_rec709(pictures.back(), frame.image);
         }
     }
     noise_.mean = count > 0 ? sum / count : 0;
+    noise_.pixels = count;
     if (noise_known && sum > 0) {
         noise_.rmse = std::sqrt(variance / count) / noise_.mean;
         // Of a normal distribution E|x| = sqrt(2 / pi) sigma.
@@ -219,9 +212,9 @@ ErrorJudge::Judged ErrorJudge::judge(const run::OutputPaths& run) const {
     const bool noise_known = layer_ == "E";
     Judged judged;
     Sums all, inside_only;
-    double flip = 0, light_sum = 0, reference_light = 0, luminance = 0, counted = 0, covered_pixels = 0;
-    double variance_of_luminance = 0, high_pass = 0, triples = 0;
-    std::map<std::int64_t, Picture> differences;  // of the last three frames
+    double flip = 0, light_sum = 0, reference_light = 0, counted = 0, covered_pixels = 0;
+    double variance_of_luminance = 0;
+    metrics::FlickerTrack track;
     for (const std::int64_t number : frames_) {
         const Frame ours = read(run, number, layer_, false);
         const Frame reference = read(reference_, number, layer_, true);
@@ -229,10 +222,11 @@ ErrorJudge::Judged ErrorJudge::judge(const run::OutputPaths& run) const {
         if (ours.image.width != reference.image.width || ours.image.height != reference.image.height)
             throw Error(ExitCode::input_unreadable, ours.path + ": its size is not the reference's");
         const std::vector<float>& covered = reference["covered"];
+        const std::vector<float>& covered_by_us = ours["covered"];
         std::vector<bool> keep(pixels), keep_inside = inside_surfaces(reference);
         for (std::size_t i = 0; i < pixels; ++i) {
             covered_pixels += covered[i] > 0 ? 1 : 0;
-            keep[i] = covered[i] > 0 && covered[i] == ours["covered"][i];
+            keep[i] = covered[i] > 0 && covered[i] == covered_by_us[i];
             keep_inside[i] = keep_inside[i] && keep[i];
         }
         Picture a = masked(ours, layer_, keep), b = masked(reference, layer_, keep);
@@ -245,7 +239,6 @@ ErrorJudge::Judged ErrorJudge::judge(const run::OutputPaths& run) const {
 
         light_sum += light(ours, layer_);
         reference_light += light(reference, layer_);
-        for (std::size_t i = 0; i < pixels; ++i) luminance += static_cast<double>(b.luminance[i]);
         counted += static_cast<double>(b.counted());
         if (noise_known) {
             const std::vector<float> squares = luminance_variance(reference, samples_);
@@ -258,21 +251,14 @@ ErrorJudge::Judged ErrorJudge::judge(const run::OutputPaths& run) const {
         to_rec709(reference_beauty, reference.image);
         flip += metrics::flip_hdr(beauty, reference_beauty, exposures_).mean;
 
-        Picture d = difference(a, b);
         if (number == frames_[frames_.size() / 2]) {
             judged.map = {number, a.width, a.height, std::vector<float>(pixels, kNaN)};
-            for (std::size_t i = 0; i < pixels; ++i)
-                if (keep[i])
-                    judged.map.values[i] = std::abs(d.luminance[i]) / static_cast<float>(noise_.mean);
+            for (std::size_t i = 0; i < pixels; ++i) {
+                const double off = std::abs(static_cast<double>(a.luminance[i]) - b.luminance[i]);
+                if (keep[i]) judged.map.values[i] = static_cast<float>(metrics::share_of(off, noise_.mean));
+            }
         }
-        differences.emplace(number, std::move(d));
-        std::erase_if(differences, [&](const auto& entry) { return entry.first < number - 2; });
-        const auto first = differences.find(number - 2), middle = differences.find(number - 1);
-        if (first != differences.end() && middle != differences.end()) {
-            high_pass += metrics::frame_flicker(first->second, middle->second, differences.at(number))
-                             .high_pass_energy;
-            ++triples;
-        }
+        track.add(number, std::move(a), std::move(b));
     }
     ClipErrors& errors = judged.errors;
     errors.rmse = all.share(std::sqrt(all.squares * all.count));
@@ -283,18 +269,20 @@ ErrorJudge::Judged ErrorJudge::judge(const run::OutputPaths& run) const {
     errors.l1 = all.share(all.mae);
     errors.l1_inside = inside_only.share(inside_only.mae);
     errors.bias = all.share(all.bias);
-    errors.energy = reference_light != 0 ? light_sum / reference_light - 1 : 0;
+    errors.energy = metrics::share_of(light_sum - reference_light, reference_light);
     errors.flip = flip / static_cast<double>(frames_.size());
     errors.compared = covered_pixels > 0 ? counted / covered_pixels : 0;
     errors.inside = counted > 0 ? inside_only.count / counted : 0;
 
-    if (triples > 0 && luminance > 0) {
-        const double mean = luminance / counted;
-        errors.flicker = high_pass / triples / square(mean);
+    const metrics::ClipFlicker clip = track.clip();
+    if (!clip.frames.empty() && counted > 0) {
+        errors.flicker = clip.flicker;
         // H of independent noise has 1 + 1/4 + 1/4 of its variance.
+        const double noise = 1.5 * variance_of_luminance / counted;
         if (noise_known)
-            errors.flicker_less_noise =
-                *errors.flicker - 1.5 * variance_of_luminance / counted / square(mean);
+            errors.flicker_less_noise = std::isinf(clip.flicker)
+                                            ? clip.flicker
+                                            : clip.flicker - metrics::share_of(noise, square(clip.mean));
     }
     return judged;
 }

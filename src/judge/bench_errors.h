@@ -1,6 +1,5 @@
 #pragma once
 #include <cstdint>
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,7 +12,8 @@
 namespace dapple::judge {
 
 /// Differences of a run from the reference over a clip, as shares of the reference's mean over the pixels and
-/// frames that are compared. "Less noise": the reference's own squared error taken out of the squares.
+/// frames that are compared; infinite where there is an error and no light in the reference. "Less noise":
+/// the reference's own squared error taken out of the squares.
 struct ClipErrors {
     double rmse = 0;
     double rmse_less_noise = 0;
@@ -24,8 +24,9 @@ struct ClipErrors {
     double bias = 0;
     double energy = 0;  ///< light over the whole picture, covered or not, less the reference's
     double flip = 0;    ///< HDR-FLIP of R, G, B: mean over pixels and frames
-    /// Mean over frames with both neighbours and pixels of (D_t - (D_(t-1) + D_(t+1)) / 2)^2 over the squared
-    /// mean, D the difference of luminance; none where no three frames follow each other.
+    /// Mean over frames with both neighbours and pixels of (D_t - (D_(t-1) + D_(t+1)) / 2)^2, D the
+    /// difference of luminance, over the squared mean of the run's own (metrics/flicker_track.h); none where
+    /// no three frames follow each other.
     std::optional<double> flicker;
     std::optional<double> flicker_less_noise;
     double compared = 0;  ///< share of the reference's covered pixels
@@ -42,7 +43,8 @@ struct ErrorMap {
 
 /// What the reference is worth.
 struct ReferenceNoise {
-    double mean = 0;  ///< of the layer's luminance, over all covered pixels and frames
+    double mean = 0;    ///< of the layer's luminance, over all covered pixels and frames
+    double pixels = 0;  ///< that are covered, in all frames
     /// Root of the mean of its variance, over the mean; of pixels, from sample 0's variance as if the other
     /// samples had the same and their own light. None where the layer has no variance.
     std::optional<double> rmse;

@@ -2,13 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 
 #include "base/error.h"
-#include "judge/bench_errors.h"
 #include "judge/bench_plan.h"
+#include "judge/text.h"
 #include "run/output_paths.h"
 #include "timeline/timeline.h"
 
@@ -19,10 +18,8 @@ constexpr const char* kReference = "caustics={method: reference, standard_error:
 
 constexpr double kWhole = 0.999;  ///< share of the reference's pixels: up to edges, where samples differ
 
-std::string percent(double share) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%+.2f %%", 100 * share);
-    return text;
+std::string change(double share) {
+    return formatted("%+.2f %%", 100 * share);
 }
 
 std::string first_comment(const std::string& file) {
@@ -89,8 +86,8 @@ void compare(CaseVerdict& verdict, const CaseRun& run, const ErrorJudge& judge, 
     const ClipErrors errors = judge.judge(run.paths()).errors;
     verdict.energy = errors.energy;
     verdict.l1 = errors.l1;
-    verdict.reason = "light " + percent(errors.energy) + " of ±" + percent(tolerance).substr(1) + ", L1 " +
-                     percent(errors.l1).substr(1);
+    verdict.reason = "light " + change(errors.energy) + " of ±" + percent(tolerance) + " %, L1 " +
+                     percent(errors.l1) + " %";
     if (std::abs(errors.energy) <= tolerance) {
         verdict.verdict = CaseVerdict::Verdict::holds;
         return;
@@ -102,7 +99,7 @@ void compare(CaseVerdict& verdict, const CaseRun& run, const ErrorJudge& judge, 
     if (errors.compared == 0) {
         why = left_out(plan());
     } else if (errors.compared < kWhole) {
-        verdict.reason += ", where it answers " + percent(errors.bias);
+        verdict.reason += ", where it answers " + change(errors.bias);
         if (std::abs(errors.bias) <= tolerance) why = run.partly();
     }
     if (why.empty()) {
@@ -138,6 +135,11 @@ std::vector<std::string> hard_case_files(const std::string& folder) {
     return files;
 }
 
+double energy_tolerance(const ReferenceNoise& noise) {
+    const double deviation = noise.rmse.value_or(0);
+    return kEnergyTolerance + (deviation > 0 ? 3 * deviation / std::sqrt(noise.pixels) : 0);
+}
+
 HardCase judge_hard_case(const std::string& timeline, const std::vector<std::string>& methods,
                          const std::string& folder, Renderings& renderings) {
     HardCase result;
@@ -165,11 +167,8 @@ HardCase judge_hard_case(const std::string& timeline, const std::vector<std::str
         judge.emplace(reference.paths(), reference.frames, "E",
                       timeline::Timeline::load(timeline, overrides_of("reference")).clip().samples);
         const double noise = judge->noise().rmse.value_or(0);
-        const double pixels = static_cast<double>(reference.manifest->clip.width) *
-                              reference.manifest->clip.height * static_cast<double>(reference.frames.size());
-        tolerance += 3 * noise / std::sqrt(pixels);
-        result.reference =
-            judge->noise().mean > 0 ? "noise " + percent(noise).substr(1) + " a pixel" : "dark";
+        tolerance = energy_tolerance(judge->noise());
+        result.reference = judge->noise().mean > 0 ? "noise " + percent(noise) + " % a pixel" : "dark";
     } else {
         result.reference = reference.end.error;
     }

@@ -2,6 +2,7 @@
 #include <string>
 #include <vector>
 
+#include "judge/bench_errors.h"
 #include "judge/bench_runs.h"
 
 namespace dapple::judge {
@@ -41,7 +42,9 @@ std::vector<std::string> hard_case_files(const std::string& folder);
 HardCase judge_hard_case(const std::string& timeline, const std::vector<std::string>& methods,
                          const std::string& folder, Renderings& renderings);
 
-/// Light that a method may lose or gain against the reference: 1 %, beside three standard errors of the sum.
+/// Light that a method may lose or gain against the reference: 1 %, beside three standard errors of the sum
+/// over the pixels that are covered.
 inline constexpr double kEnergyTolerance = 0.01;
+double energy_tolerance(const ReferenceNoise& noise);
 
 }  // namespace dapple::judge

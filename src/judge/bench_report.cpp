@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+#include <limits>
 
+#include "judge/text.h"
 #include "report/canvas.h"
 #include "report/heat_map.h"
 #include "report/html_page.h"
@@ -20,17 +21,9 @@ using Tone = HtmlPage::Tone;
 /// Heat maps: error that is shown as the brightest, over the reference's mean.
 constexpr double kFullError = 0.2;
 
-std::string text_of(const char* format, double value) {
-    char text[48];
-    std::snprintf(text, sizeof text, format, value);
-    return text;
-}
-std::string percent(double share) {
-    return text_of("%.2f", 100 * share);
-}
 std::string seconds(const Spread& spread) {
-    return text_of("%.3f", spread.median) + " (" + text_of("%.3f", spread.least) + "–" +
-           text_of("%.3f", spread.most) + ")";
+    return formatted("%.3f", spread.median) + " (" + formatted("%.3f", spread.least) + "–" +
+           formatted("%.3f", spread.most) + ")";
 }
 
 std::vector<const RungResult*> rungs_of(const BenchResult& result, std::size_t ladder) {
@@ -52,6 +45,26 @@ std::vector<std::pair<double, double>> points_of(const BenchResult& result, std:
     return points;
 }
 
+/// An error of 0 is one too small to be told, which has no place on a logarithmic axis: it is drawn at the
+/// reference's noise, or at the least other error where that is smaller. Returns what has to be said of it.
+std::string draw_zeros(report::Plot& plot, double noise) {
+    double floor = noise > 0 ? noise : std::numeric_limits<double>::infinity();
+    for (const report::Series& series : plot.series)
+        for (const auto& [at, value] : series.points)
+            if (value > 0) floor = std::min(floor, value);
+    std::string names;
+    for (report::Series& series : plot.series) {
+        for (auto& [at, value] : series.points) {
+            if (value != 0 || std::isinf(floor)) continue;
+            value = floor;
+            names += (names.empty() ? "" : "; ") + series.name + " at " + formatted("%.3f s", at);
+        }
+    }
+    if (names.empty()) return "";
+    return plot.title + ": too small to be told from the reference's noise, drawn at " +
+           formatted("%.2g", floor) + ": " + names + ".";
+}
+
 void add_plot(HtmlPage& page, const BenchResult& result, const char* title, const char* x_label,
               TimeMember time, ErrorMember error, const std::optional<double>& noise) {
     report::Plot plot{.title = title, .x_label = x_label, .y_label = "share of the mean"};
@@ -59,15 +72,20 @@ void add_plot(HtmlPage& page, const BenchResult& result, const char* title, cons
     for (std::size_t i = 0; i < result.ladders.size(); ++i)
         plot.series.push_back({result.ladders[i].name(), points_of(result, i, time, error), true, true});
     if (noise && *noise > 0) plot.limits.emplace_back(*noise, "the reference's noise");
+    const std::string drawn = draw_zeros(plot, noise.value_or(0));
     page.plot(report::svg(plot));
+    if (!drawn.empty()) page.paragraph(drawn);
 }
 
 void add_errors(HtmlPage& page, const BenchResult& result) {
     page.heading("Errors");
+    const std::vector<std::string> header = {"run",    "L1 %",     "L1 inside %", "RMSE %",  "4×4 %",
+                                             "bias %", "energy %", "HDR-FLIP",    "flicker", "compared %"};
     std::vector<std::vector<Cell>> rows;
     for (const RungResult& rung : result.rungs) {
         if (!rung.failure.empty()) {
-            rows.push_back({{rung.rung.name}, {rung.failure, Tone::bad}});
+            rows.push_back({{rung.rung.name}, {"failed", Tone::bad}});
+            rows.back().resize(header.size());
             continue;
         }
         const ClipErrors& e = rung.judged.errors;
@@ -78,13 +96,11 @@ void add_errors(HtmlPage& page, const BenchResult& result) {
                         {percent(e.block_rmse_less_noise)},
                         {percent(e.bias)},
                         {percent(e.energy)},
-                        {text_of("%.4f", e.flip)},
-                        {e.flicker ? text_of("%.5f", e.flicker_less_noise.value_or(*e.flicker)) : "–"},
-                        {text_of("%.1f", 100 * e.compared)}});
+                        {formatted("%.4f", e.flip)},
+                        {e.flicker ? formatted("%.5f", e.flicker_less_noise.value_or(*e.flicker)) : "–"},
+                        {formatted("%.1f", 100 * e.compared)}});
     }
-    page.table({"run", "L1 %", "L1 inside %", "RMSE %", "4×4 %", "bias %", "energy %", "HDR-FLIP", "flicker",
-                "compared %"},
-               rows);
+    page.table(header, rows);
     for (const std::string& definition : bench_definitions(result)) page.paragraph(definition);
 }
 
@@ -97,8 +113,8 @@ void add_times(HtmlPage& page, const BenchResult& result) {
         rows.push_back({{rung.rung.name},
                         {seconds(t.wall_s)},
                         {seconds(t.cpu_s)},
-                        {text_of("%.3f", t.warm_up_s)},
-                        {text_of("%.3f", t.start_up_s)},
+                        {formatted("%.3f", t.warm_up_s)},
+                        {formatted("%.3f", t.start_up_s)},
                         {run::format_bytes(t.peak_memory)},
                         {std::to_string(rung.repeats)},
                         {t.same_bits ? "same bits" : "other bits", t.same_bits ? Tone::good : Tone::bad}});
@@ -125,8 +141,7 @@ void add_times(HtmlPage& page, const BenchResult& result) {
     page.table({"a frame", "L1 inside 5 %", "2 %", "1 %", "RMSE 5 %", "2 %", "1 %"}, errors);
     page.paragraph(
         "Along straight lines in log(time), log(error) between neighbouring rungs; “≤” where the cheapest "
-        "rung is "
-        "there already.");
+        "rung is there already, or one whose RMSE is below the reference's noise.");
 }
 
 void add_passes(HtmlPage& page, const BenchResult& result) {
@@ -150,8 +165,8 @@ void add_passes(HtmlPage& page, const BenchResult& result) {
                 const auto pass = std::find_if(passes.begin(), passes.end(),
                                                [&](const Timing::Pass& p) { return p.name == name; });
                 row.push_back({pass == passes.end() ? "–"
-                                                    : text_of("%.1f", 1e3 * pass->wall_s.median) + "; " +
-                                                          text_of("%.1f", 1e3 * pass->cpu_s.median)});
+                                                    : formatted("%.1f", 1e3 * pass->wall_s.median) + "; " +
+                                                          formatted("%.1f", 1e3 * pass->cpu_s.median)});
             }
             rows.push_back(row);
         }
@@ -159,16 +174,7 @@ void add_passes(HtmlPage& page, const BenchResult& result) {
     }
 }
 
-/// Pixels as squares, so that small pictures are at least 320 pixels wide.
-ErrorMap enlarged(const ErrorMap& map) {
-    const int factor = std::max(1, (320 + map.width - 1) / map.width);
-    ErrorMap large{map.frame, factor * map.width, factor * map.height, {}};
-    large.values.reserve(map.values.size() * static_cast<std::size_t>(factor * factor));
-    for (int y = 0; y < large.height; ++y)
-        for (int x = 0; x < large.width; ++x)
-            large.values.push_back(map.values[static_cast<std::size_t>(y / factor * map.width + x / factor)]);
-    return large;
-}
+constexpr int kMapWidth = 320;  ///< of small pictures, at least
 
 void add_maps(HtmlPage& page, const BenchResult& result) {
     page.heading("Where the error is");
@@ -178,9 +184,12 @@ void add_maps(HtmlPage& page, const BenchResult& result) {
     page.picture(scale.width(), scale.height(), scale.rgb(), "the scale of all maps");
     for (const RungResult& rung : result.rungs) {
         if (!rung.failure.empty()) continue;
-        const ErrorMap map = enlarged(rung.judged.map);
-        page.picture(map.width, map.height, report::heat_map(map.values, kFullError),
-                     rung.rung.name + ", frame " + std::to_string(map.frame));
+        const ErrorMap& map = rung.judged.map;
+        const int factor = std::max(1, (kMapWidth + map.width - 1) / map.width);
+        page.picture(
+            factor * map.width, factor * map.height,
+            report::enlarged(report::heat_map(map.values, kFullError), map.width, map.height, factor),
+            rung.rung.name + ", frame " + std::to_string(map.frame));
     }
     page.paragraph("Magenta: not compared.");
 }
@@ -204,6 +213,7 @@ void add_notes(HtmlPage& page, const BenchResult& result) {
 
 void add_hard_cases(HtmlPage& page, const BenchResult& result) {
     page.heading("Hard cases");
+    for (const std::string& failure : case_failures(result)) page.verdict(failure, Tone::bad);
     std::vector<std::vector<Cell>> rows;
     for (const HardCase& hard : result.hard_cases) {
         for (const CaseVerdict& verdict : hard.verdicts) {
@@ -214,8 +224,8 @@ void add_hard_cases(HtmlPage& page, const BenchResult& result) {
                             {verdict.method},
                             {to_string(verdict.verdict), tone},
                             {verdict.reason},
-                            {text_of("%.3g", verdict.lost)},
-                            {text_of("%.1f", verdict.wall_s)},
+                            {formatted("%.3g", verdict.lost)},
+                            {formatted("%.1f", verdict.wall_s)},
                             {hard.reference}});
         }
     }
@@ -262,26 +272,26 @@ std::vector<std::vector<std::string>> times_to_errors(const BenchResult& result)
 
 std::string to_string(const TimeToError& time) {
     if (time.state == TimeToError::State::not_reached) return "not reached";
-    return (time.state == TimeToError::State::by_first ? "<= " : "") + text_of("%.3f s", time.seconds);
+    return (time.state == TimeToError::State::at_most ? "<= " : "") + formatted("%.3f s", time.seconds);
 }
 
 std::vector<std::string> bench_definitions(const BenchResult& result) {
     std::vector<std::string> texts = {
         "Over the pixels that a run and the reference cover by the same share of their samples, all frames "
         "and three "
-        "channels, as shares of the reference's mean there. “Inside”: pixels whose eight neighbours show the "
+        "channels, as shares of the reference's mean there (infinite where it has no light and a run has). "
+        "“Inside”: pixels whose eight neighbours show the "
         "same "
         "surface, turned by 20° at most; at edges between objects a footprint is that of one of them. 4×4: "
         "RMSE of "
         "means over blocks. Energy: luminance of the layer over the whole picture, by its coverage, less the "
         "reference's.",
         "HDR-FLIP: of R, G, B, mean over pixels and frames, exposures " +
-            text_of("%.2f", result.exposures.start) + " to " + text_of("%.2f", result.exposures.stop) +
+            formatted("%.2f", result.exposures.start) + " to " + formatted("%.2f", result.exposures.stop) +
             " stops in " + std::to_string(result.exposures.count) +
-            " steps, from at most eight frames of the reference.",
+            " steps, from the first, middle and last frame of the reference.",
         "Flicker: mean over pixels and frames of (D(t) − (D(t−1) + D(t+1)) / 2)², D the difference of "
-        "luminance, over "
-        "the squared mean; none without three consecutive frames."};
+        "luminance, over the squared mean of the run's own; none without three consecutive frames."};
     const ReferenceNoise& noise = result.reference->noise;
     if (noise.rmse) {
         texts.push_back(
@@ -306,8 +316,8 @@ std::string bench_html(const BenchResult& result) {
         page.paragraph("Frames " + result.frames + ", " + std::to_string(result.width) + " × " +
                        std::to_string(result.height) + ", " + std::to_string(result.samples) +
                        " samples a pixel; layer " + (result.layer.empty() ? "R, G, B" : result.layer) +
-                       ". The reference took " + text_of("%.1f", r.wall_s) + " s (" +
-                       text_of("%.1f", r.cpu_s) + " CPU s) a frame to a standard error of " +
+                       ". The reference took " + formatted("%.1f", r.wall_s) + " s (" +
+                       formatted("%.1f", r.cpu_s) + " CPU s) a frame to a standard error of " +
                        percent(r.standard_error) + " %.");
         for (const RungResult& rung : result.rungs)
             if (!rung.failure.empty()) page.verdict(rung.rung.name + ": " + rung.failure, Tone::bad);

@@ -65,6 +65,9 @@ std::string bench_html(const BenchResult& result);
 /// The table for a terminal.
 std::string bench_text(const BenchResult& result);
 
+/// The hard cases that fail: "CASE, METHOD fails: why", with its number.
+std::vector<std::string> case_failures(const BenchResult& result);
+
 /// How the figures are defined, a sentence each.
 std::vector<std::string> bench_definitions(const BenchResult& result);
 

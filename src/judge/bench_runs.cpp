@@ -7,7 +7,7 @@
 
 #include "base/checked_file.h"
 #include "base/error.h"
-#include "base/frame_set.h"
+#include "judge/text.h"
 #include "run/output_paths.h"
 #include "run/timeline_source.h"
 #include "timeline/timeline.h"
@@ -18,12 +18,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kProgram = "/proc/self/exe";
-
-std::string text_of(const std::vector<std::int64_t>& frames) {
-    std::string text;
-    for (const std::int64_t frame : frames) text += (text.empty() ? "" : ",") + std::to_string(frame);
-    return text;
-}
 
 /// The text of a file of ours; empty where there is none or it cannot be read.
 std::string file_text(const std::string& path) {
@@ -70,7 +64,7 @@ ProcessEnd Renderings::render(const std::string& name, const std::string& timeli
                               const std::vector<std::int64_t>& frames, const std::string& folder, bool anew) {
     std::vector<std::string> arguments = call(timeline, overrides);
     arguments.insert(arguments.end(), {"-o", folder});
-    if (!frames.empty()) arguments.insert(arguments.end(), {"-f", text_of(frames)});
+    if (!frames.empty()) arguments.insert(arguments.end(), {"-f", frames_text(frames)});
     if (anew || !fits(folder, timeline, overrides)) {
         arguments.insert(arguments.end(), {"--existing", "overwrite"});
     }
@@ -111,9 +105,9 @@ TimedRun::TimedRun(std::string name, std::string timeline, std::vector<std::stri
       warm_up_(warm_up),
       folder_(std::move(folder)),
       renderings_(renderings) {
-    identity_ = renderings.job(timeline_, overrides_).hash() + ", frames " + text_of(frames_) + " after " +
-                std::to_string(warm_up_) + ", threads " + std::to_string(renderings.threads()) + ", " +
-                renderings.device().info().name;
+    identity_ = renderings.job(timeline_, overrides_).hash() + ", frames " + frames_text(frames_) +
+                " after " + std::to_string(warm_up_) + ", threads " + std::to_string(renderings.threads()) +
+                ", " + renderings.device().info().name;
     const Json known = Json::parse(file_text(timings_file()), nullptr, false);
     if (!known.is_object() || known.value("identity", "") != identity_ || !known.contains("repeats")) return;
     repeats_ = repeats_from_json(known.at("repeats").dump()).value_or(std::vector<Repeat>{});

@@ -1,19 +1,19 @@
 // The figures of a bench as CSV, JSON and text.
 #include <algorithm>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "judge/bench_report.h"
+#include "judge/text.h"
+#include "run/json_number.h"
 
 namespace dapple::judge {
 namespace {
 
+using run::json_number;
 using Json = nlohmann::ordered_json;
 
 std::string number(double value) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.6g", value);
-    return text;
+    return formatted("%.6g", value);
 }
 
 std::string number(const std::optional<double>& value) {
@@ -28,7 +28,7 @@ std::string quoted(const std::string& text) {
 }
 
 Json to_json(const std::optional<double>& value) {
-    return value ? Json(*value) : Json(nullptr);
+    return value ? json_number(*value) : Json(nullptr);
 }
 
 Json to_json(const Spread& spread) {
@@ -46,15 +46,15 @@ Json to_json(const Timing& timing) {
 }
 
 Json to_json(const ClipErrors& errors) {
-    return {{"l1", errors.l1},
-            {"l1_inside", errors.l1_inside},
-            {"rmse", errors.rmse},
-            {"rmse_less_noise", errors.rmse_less_noise},
-            {"block_rmse", errors.block_rmse},
-            {"block_rmse_less_noise", errors.block_rmse_less_noise},
-            {"bias", errors.bias},
-            {"energy", errors.energy},
-            {"flip", errors.flip},
+    return {{"l1", json_number(errors.l1)},
+            {"l1_inside", json_number(errors.l1_inside)},
+            {"rmse", json_number(errors.rmse)},
+            {"rmse_less_noise", json_number(errors.rmse_less_noise)},
+            {"block_rmse", json_number(errors.block_rmse)},
+            {"block_rmse_less_noise", json_number(errors.block_rmse_less_noise)},
+            {"bias", json_number(errors.bias)},
+            {"energy", json_number(errors.energy)},
+            {"flip", json_number(errors.flip)},
             {"flicker", to_json(errors.flicker)},
             {"flicker_less_noise", to_json(errors.flicker_less_noise)},
             {"compared", errors.compared},
@@ -62,9 +62,9 @@ Json to_json(const ClipErrors& errors) {
 }
 
 Json to_json(const TimeToError& time) {
-    const char* state = time.state == TimeToError::State::reached    ? "reached"
-                        : time.state == TimeToError::State::by_first ? "by_first"
-                                                                     : "not_reached";
+    const char* state = time.state == TimeToError::State::reached   ? "reached"
+                        : time.state == TimeToError::State::at_most ? "at_most"
+                                                                    : "not_reached";
     const bool reached = time.state != TimeToError::State::not_reached;
     return {{"state", state}, {"seconds", reached ? Json(time.seconds) : Json(nullptr)}};
 }
@@ -97,8 +97,8 @@ Json to_json(const HardCase& hard) {
                             {"reason", verdict.reason},
                             {"exit_code", verdict.exit_code},
                             {"non_finite", verdict.non_finite},
-                            {"energy", verdict.energy},
-                            {"l1", verdict.l1},
+                            {"energy", json_number(verdict.energy)},
+                            {"l1", json_number(verdict.l1)},
                             {"lost_w", verdict.lost},
                             {"wall_s", verdict.wall_s}});
     }
@@ -129,16 +129,6 @@ std::string aligned(const std::vector<Row>& rows) {
     return text;
 }
 
-std::string short_text(const char* format, double value) {
-    char text[48];
-    std::snprintf(text, sizeof text, format, value);
-    return text;
-}
-
-std::string percent(double share) {
-    return short_text("%.2f", 100 * share);
-}
-
 }  // namespace
 
 std::string bench_csv(const BenchResult& result) {
@@ -161,7 +151,7 @@ std::string bench_csv(const BenchResult& result) {
         for (const Spread& spread : {t.wall_s, t.cpu_s})
             text += "," + number(spread.median) + "," + number(spread.least) + "," + number(spread.most);
         text += "," + number(t.warm_up_s) + "," + number(t.start_up_s) + "," +
-                short_text("%.0f", t.peak_memory) + "," + std::to_string(rung.repeats) + "," +
+                formatted("%.0f", t.peak_memory) + "," + std::to_string(rung.repeats) + "," +
                 (t.same_bits ? "1" : "0");
         for (const double value : {e.l1, e.l1_inside, e.rmse, e.rmse_less_noise, e.block_rmse,
                                    e.block_rmse_less_noise, e.bias, e.energy, e.flip})
@@ -226,6 +216,15 @@ std::string bench_json(const BenchResult& result) {
     return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
+std::vector<std::string> case_failures(const BenchResult& result) {
+    std::vector<std::string> lines;
+    for (const HardCase& hard : result.hard_cases)
+        for (const CaseVerdict& verdict : hard.verdicts)
+            if (verdict.verdict == CaseVerdict::Verdict::fails)
+                lines.push_back(hard.name + ", " + verdict.method + " fails: " + verdict.reason);
+    return lines;
+}
+
 std::string bench_text(const BenchResult& result) {
     std::string text;
     if (result.reference) {
@@ -238,19 +237,19 @@ std::string bench_text(const BenchResult& result) {
             }
             const Timing& t = rung.timing;
             const ClipErrors& e = rung.judged.errors;
-            rows.push_back({rung.rung.name, short_text("%.3f", t.wall_s.median),
-                            short_text("%.3f", t.wall_s.least), short_text("%.3f", t.wall_s.most),
-                            short_text("%.3f", t.cpu_s.median), short_text("%.0f", t.peak_memory / (1 << 20)),
+            rows.push_back({rung.rung.name, formatted("%.3f", t.wall_s.median),
+                            formatted("%.3f", t.wall_s.least), formatted("%.3f", t.wall_s.most),
+                            formatted("%.3f", t.cpu_s.median), formatted("%.0f", t.peak_memory / (1 << 20)),
                             percent(e.l1), percent(e.l1_inside), percent(e.rmse_less_noise),
                             percent(e.block_rmse_less_noise), percent(e.bias), percent(e.energy),
-                            short_text("%.4f", e.flip),
-                            e.flicker ? short_text("%.2e", e.flicker_less_noise.value_or(*e.flicker)) : "-"});
+                            formatted("%.4f", e.flip),
+                            e.flicker ? formatted("%.2e", e.flicker_less_noise.value_or(*e.flicker)) : "-"});
         }
         text += aligned(rows);
         const ReferenceNoise& noise = result.reference->noise;
         if (noise.rmse)
             text += "reference: noise " + percent(*noise.rmse) + " % (RMSE), " + percent(*noise.l1) +
-                    " % (L1); " + short_text("%.1f s a frame\n", result.reference->wall_s);
+                    " % (L1); " + formatted("%.1f s a frame\n", result.reference->wall_s);
         rows = times_to_errors(result);
         rows.insert(rows.begin(), {"time of a frame to", "L1 5 %", "2 %", "1 %", "RMSE 5 %", "2 %", "1 %"});
         text += "\n" + aligned(rows);
@@ -267,6 +266,7 @@ std::string bench_text(const BenchResult& result) {
                 std::to_string(verdicts) + " verdicts: " + std::to_string(counts[0]) + " hold, " +
                 std::to_string(counts[1]) + " differ as the plan says, " + std::to_string(counts[2]) +
                 " fail\n";
+        for (const std::string& failure : case_failures(result)) text += failure + "\n";
     }
     while (!text.empty() && text.back() == '\n') text.pop_back();
     return text;

@@ -198,14 +198,13 @@ Timing timing_of(const std::vector<Repeat>& repeats) {
 }
 
 TimeToError time_to_error(std::vector<std::pair<double, double>> points, double error) {
-    std::erase_if(points, [](const auto& point) { return !(point.first > 0 && point.second > 0); });
+    std::erase_if(points, [](const auto& point) { return !(point.first > 0 && point.second >= 0); });
     std::sort(points.begin(), points.end());
-    if (points.empty()) return {};
-    if (points.front().second <= error) return {TimeToError::State::by_first, points.front().first};
-    for (std::size_t i = 1; i < points.size(); ++i) {
-        const auto& [t0, e0] = points[i - 1];
+    for (std::size_t i = 0; i < points.size(); ++i) {
         const auto& [t1, e1] = points[i];
         if (e1 > error) continue;
+        if (i == 0 || e1 == 0 || std::isinf(points[i - 1].second)) return {TimeToError::State::at_most, t1};
+        const auto& [t0, e0] = points[i - 1];
         const double way = std::log(e0 / error) / std::log(e0 / e1);
         return {TimeToError::State::reached, t0 * std::pow(t1 / t0, way)};
     }

@@ -79,7 +79,7 @@ Spread spread_of(const std::vector<std::vector<double>>& values);
 struct TimeToError {
     enum class State {
         reached,      ///< between two rungs, interpolated
-        by_first,     ///< the cheapest rung is there already: `seconds` are its, an upper bound
+        at_most,      ///< at a rung, and no line tells how much before it: `seconds` are its
         not_reached,  ///< no rung is there
     };
     State state = State::not_reached;
@@ -87,7 +87,8 @@ struct TimeToError {
 };
 
 /// The least time at which the error falls to `error`, along straight lines in log(time), log(error) between
-/// neighbours in the order of time. `points`: seconds and error, above 0; others are left out.
+/// neighbours in the order of time; no line leads to a point of error 0 (too small to be told), or from one
+/// of infinite error. `points`: seconds, above 0, and error; others are left out.
 TimeToError time_to_error(std::vector<std::pair<double, double>> points, double error);
 
 }  // namespace dapple::judge

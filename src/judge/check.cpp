@@ -70,6 +70,27 @@ auto of(Member member, Value value) {
     };
 }
 
+/// The clip's relative errors are those of all counted pixels of all frames over the reference's mean there:
+/// means of shares would let a dark frame decide.
+void add_pooled_errors(CheckResult& result) {
+    double count = 0, mean = 0, bias = 0, mae = 0, squares = 0;
+    for (const FrameFigures& figures : result.frames) {
+        if (!figures.errors) continue;
+        const metrics::Errors& errors = *figures.errors;
+        const double pixels = static_cast<double>(result.width) * result.height;
+        const double counted = pixels - static_cast<double>(errors.excluded);
+        count += counted;
+        mean += counted * errors.mean;
+        bias += counted * errors.bias;
+        mae += counted * errors.mae;
+        squares += counted * errors.rmse * errors.rmse;
+    }
+    if (!result.clip.contains("relative_rmse")) return;
+    result.clip["relative_bias"].mean = metrics::share_of(bias, mean);
+    result.clip["relative_mae"].mean = metrics::share_of(mae, mean);
+    result.clip["relative_rmse"].mean = metrics::share_of(std::sqrt(squares * count), mean);
+}
+
 void add_clip_figures(CheckResult& result) {
     using metrics::Errors;
     using Flip = FrameFigures::Flip;
@@ -105,6 +126,7 @@ void add_clip_figures(CheckResult& result) {
                     of(delta, [](const metrics::DeltaFlip& d) { return d.mean_absolute; }));
     add_clip_figure(result, "warping_error", true,
                     of(&FrameFigures::warping, [](const metrics::WarpingError& w) { return w.mean_square; }));
+    add_pooled_errors(result);
     // The clip's PSNR is that of its mean square error, not the mean of decibels, which one equal frame makes
     // infinite.
     const auto psnr = result.clip.find("psnr");

@@ -104,7 +104,8 @@ struct FrameFigures {
     std::optional<Shift> shift;
 };
 
-/// Means over the frames that have the figure, and the worst of them.
+/// Means over the frames that have the figure, and the worst of them. Means of relative errors (bias, L1,
+/// RMSE) are over all counted pixels of all frames, as shares of the reference's mean over the same.
 struct ClipFigure {
     double mean = 0;
     double worst = 0;

@@ -1,20 +1,15 @@
-#include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 
 #include "judge/check_report.h"
+#include "run/json_number.h"
 
 namespace dapple::judge {
 namespace {
 
+using run::json_number;
 using Json = nlohmann::ordered_json;
-
-Json number(double value) {
-    if (std::isnan(value)) return "nan";
-    if (std::isinf(value)) return value > 0 ? "inf" : "-inf";
-    return value;
-}
 
 Json to_json(const Box& box) {
     return {{"x", box.x}, {"y", box.y}, {"width", box.width}, {"height", box.height}};
@@ -36,54 +31,54 @@ Json pixel_json(std::size_t index, int width) {
 void add_errors(Json& json, const FrameFigures& figures, int width) {
     if (!figures.errors) return;
     const metrics::Errors& errors = *figures.errors;
-    json["reference_mean"] = number(*figures.reference_mean);
-    json["errors"] = {{"mean", number(errors.mean)},
-                      {"bias", number(errors.bias)},
-                      {"mae", number(errors.mae)},
-                      {"rmse", number(errors.rmse)},
-                      {"block_rmse", number(errors.block_rmse)},
-                      {"relative_bias", number(errors.relative_bias())},
-                      {"relative_mae", number(errors.relative_mae())},
-                      {"relative_rmse", number(errors.relative_rmse())},
-                      {"relative_mse", number(errors.relative_mse)},
-                      {"largest", number(errors.largest)},
+    json["reference_mean"] = json_number(*figures.reference_mean);
+    json["errors"] = {{"mean", json_number(errors.mean)},
+                      {"bias", json_number(errors.bias)},
+                      {"mae", json_number(errors.mae)},
+                      {"rmse", json_number(errors.rmse)},
+                      {"block_rmse", json_number(errors.block_rmse)},
+                      {"relative_bias", json_number(errors.relative_bias())},
+                      {"relative_mae", json_number(errors.relative_mae())},
+                      {"relative_rmse", json_number(errors.relative_rmse())},
+                      {"relative_mse", json_number(errors.relative_mse)},
+                      {"largest", json_number(errors.largest)},
                       {"largest_pixel", pixel_json(errors.largest_pixel, width)}};
-    json["psnr"] = number(errors.psnr);
-    if (figures.ssim) json["ssim"] = number(*figures.ssim);
+    json["psnr"] = json_number(errors.psnr);
+    if (figures.ssim) json["ssim"] = json_number(*figures.ssim);
     if (figures.flip) {
-        json["flip"] = {{"mean", number(figures.flip->mean)},
-                        {"weighted_median", number(figures.flip->weighted_median)},
-                        {"largest", number(figures.flip->largest)},
+        json["flip"] = {{"mean", json_number(figures.flip->mean)},
+                        {"weighted_median", json_number(figures.flip->weighted_median)},
+                        {"largest", json_number(figures.flip->largest)},
                         {"largest_pixel", {figures.flip->worst.x, figures.flip->worst.y}}};
     }
     if (figures.difference) {
-        json["difference"] = {{"mae", number(figures.difference->mae)},
-                              {"rmse", number(figures.difference->rmse)}};
+        json["difference"] = {{"mae", json_number(figures.difference->mae)},
+                              {"rmse", json_number(figures.difference->rmse)}};
     }
     if (figures.delta_flip) {
-        json["delta_flip"] = {{"mean", number(figures.delta_flip->mean)},
-                              {"mean_absolute", number(figures.delta_flip->mean_absolute)}};
+        json["delta_flip"] = {{"mean", json_number(figures.delta_flip->mean)},
+                              {"mean_absolute", json_number(figures.delta_flip->mean_absolute)}};
     }
-    if (figures.shift) json["shift"] = {number(figures.shift->dx), number(figures.shift->dy)};
+    if (figures.shift) json["shift"] = {json_number(figures.shift->dx), json_number(figures.shift->dy)};
 }
 
 Json to_json(const FrameFigures& figures, const CheckResult& result) {
     Json json = {{"frame", figures.frame}, {"file", figures.path}, {"readable", figures.readable}};
     if (!figures.fault.empty()) json["fault"] = figures.fault;
     if (!figures.readable) return json;
-    json["mean"] = number(figures.mean);
+    json["mean"] = json_number(figures.mean);
     json["not_finite"] = figures.not_finite;
     if (figures.temporal) {
         const metrics::ClipFlicker::Frame& frame = result.flicker.frames.at(figures.frame);
-        json["flicker"] = number(frame.flicker);
-        json["jump_share"] = number(frame.jump_share);
-        json["change_before"] = number(figures.temporal->change_before);
-        json["change_after"] = number(figures.temporal->change_after);
+        json["flicker"] = json_number(frame.flicker);
+        json["jump_share"] = json_number(frame.jump_share);
+        json["change_before"] = json_number(figures.temporal->change_before);
+        json["change_after"] = json_number(figures.temporal->change_after);
     }
     add_errors(json, figures, result.width);
     if (figures.warping) {
-        json["warping"] = {{"mean_square", number(figures.warping->mean_square)},
-                           {"visible_share", number(figures.warping->visible_share)}};
+        json["warping"] = {{"mean_square", json_number(figures.warping->mean_square)},
+                           {"visible_share", json_number(figures.warping->visible_share)}};
     }
     return json;
 }
@@ -104,35 +99,35 @@ const char* name_of_flip(FlipKind kind) {
 /// The clip's figures; those that the frames have too carry the same names, as means over the frames.
 Json clip_json(const CheckResult& result) {
     const metrics::ClipFlicker& flicker = result.flicker;
-    Json json = {{"mean", number(flicker.mean)}, {"flicker", number(flicker.flicker)}};
+    Json json = {{"mean", json_number(flicker.mean)}, {"flicker", json_number(flicker.flicker)}};
     json["worst_flicker_frame"] = nullptr;
     if (flicker.worst_frame) {
         json["worst_flicker_frame"] = *flicker.worst_frame;
         json["worst_pixel"] = {{"x", result.worst_pixel.x},
                                {"y", result.worst_pixel.y},
-                               {"deviation", number(result.worst_deviation)}};
+                               {"deviation", json_number(result.worst_deviation)}};
     }
     json["bands"] = Json::array();
     for (const metrics::BandFlicker::Band& band : result.bands) {
-        json["bands"].push_back({{result.fps > 0 ? "low_hz" : "low_per_frame", number(band.low_hz)},
-                                 {result.fps > 0 ? "high_hz" : "high_per_frame", number(band.high_hz)},
-                                 {"energy", number(band.energy)}});
+        json["bands"].push_back({{result.fps > 0 ? "low_hz" : "low_per_frame", json_number(band.low_hz)},
+                                 {result.fps > 0 ? "high_hz" : "high_per_frame", json_number(band.high_hz)},
+                                 {"energy", json_number(band.energy)}});
     }
     if (result.split) {
-        json["static_error"] = number(result.split->static_error);
-        json["flicker_energy"] = number(result.split->flicker_energy);
+        json["static_error"] = json_number(result.split->static_error);
+        json["flicker_energy"] = json_number(result.split->flicker_energy);
     }
     for (const auto& [name, figure] : result.clip) {
-        json[name] = number(figure.mean);
-        json["worst"][name] = {{"value", number(figure.worst)}, {"frame", figure.worst_frame}};
+        json[name] = json_number(figure.mean);
+        json["worst"][name] = {{"value", json_number(figure.worst)}, {"frame", figure.worst_frame}};
     }
     if (result.flip_kind != FlipKind::none) {
         json["flip_kind"] = name_of_flip(result.flip_kind);
         json["pixels_per_degree"] = result.options.pixels_per_degree;
     }
     if (result.exposures) {
-        json["exposures"] = {{"start", number(result.exposures->start)},
-                             {"stop", number(result.exposures->stop)},
+        json["exposures"] = {{"start", json_number(result.exposures->start)},
+                             {"stop", json_number(result.exposures->stop)},
                              {"count", result.exposures->count}};
     }
     return json;

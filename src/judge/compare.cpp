@@ -17,6 +17,7 @@
 #include "judge/compare_sheet.h"
 #include "judge/compare_survey.h"
 #include "judge/sequence_reader.h"
+#include "judge/text.h"
 #include "report/heat_map.h"
 #include "video/video_writer.h"
 
@@ -34,12 +35,6 @@ void check_output(const std::string& path) {
     if (std::filesystem::is_directory(path, unknown)) {
         throw Error(ExitCode::output_unwritable, path + ": is a folder");
     }
-}
-
-std::string frames_text(const std::vector<std::int64_t>& frames) {
-    std::string list;
-    for (const std::int64_t frame : frames) list += (list.empty() ? "" : ",") + std::to_string(frame);
-    return to_string(FrameSet::parse(list));
 }
 
 std::string counted(std::size_t count, const std::string& what) {

@@ -169,9 +169,10 @@ void Composer::draw_sides(report::Canvas& canvas, const std::vector<ComparedPict
         if (pictures[i].rgb.empty()) {
             draw_blank(canvas, box, pictures[i].blank);
         } else {
-            canvas.blit(box.x, box.y,
-                        enlarged(pictures[i].rgb, comparison_.width, comparison_.height, layout_.factor),
-                        box.width, box.height);
+            canvas.blit(
+                box.x, box.y,
+                report::enlarged(pictures[i].rgb, comparison_.width, comparison_.height, layout_.factor),
+                box.width, box.height);
         }
     }
 }
@@ -203,9 +204,10 @@ void Composer::draw_wipe(report::Canvas& canvas, std::size_t index,
         draw_blank(canvas, box, why);
         return;
     }
-    std::vector<std::uint8_t> left = enlarged(a.rgb, comparison_.width, comparison_.height, layout_.factor);
+    std::vector<std::uint8_t> left =
+        report::enlarged(a.rgb, comparison_.width, comparison_.height, layout_.factor);
     const std::vector<std::uint8_t> right =
-        enlarged(b.rgb, comparison_.width, comparison_.height, layout_.factor);
+        report::enlarged(b.rgb, comparison_.width, comparison_.height, layout_.factor);
     const std::size_t row_bytes = 3 * static_cast<std::size_t>(box.width);
     for (std::size_t row = 0; row < left.size(); row += row_bytes) {
         const std::size_t from = row + 3 * static_cast<std::size_t>(wipe.divider);
@@ -229,8 +231,9 @@ void Composer::draw_differences(report::Canvas& canvas, const std::vector<Compar
         }
         const std::vector<std::uint8_t> map =
             report::heat_map(difference(a.light, b.light, survey_.unit), survey_.difference_full);
-        canvas.blit(box.x, box.y, enlarged(map, comparison_.width, comparison_.height, layout_.factor),
-                    box.width, box.height);
+        canvas.blit(box.x, box.y,
+                    report::enlarged(map, comparison_.width, comparison_.height, layout_.factor), box.width,
+                    box.height);
     }
 }
 
@@ -250,8 +253,8 @@ void Composer::draw_slices(report::Canvas& canvas, std::size_t index) const {
                 continue;
             }
             const std::vector<std::uint8_t> row =
-                enlarged(std::span(sequence.slice).subspan((first + k) * row_bytes, row_bytes),
-                         comparison_.width, 1, layout_.factor);
+                report::enlarged(std::span(sequence.slice).subspan((first + k) * row_bytes, row_bytes),
+                                 comparison_.width, 1, layout_.factor);
             // Enlarged in width; in height each frame has its own number of rows.
             const auto line = std::span(row).first(row_bytes * static_cast<std::size_t>(layout_.factor));
             for (int copy = 0; copy < layout_.slice_rows; ++copy)

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cassert>
 #include <cstdio>
 
 namespace dapple::judge {
@@ -24,25 +23,6 @@ report::Color color_of(std::size_t sequence) {
     constexpr std::array<report::Color, 4> kColors{
         {{240, 166, 24}, {96, 186, 240}, {30, 190, 140}, {226, 140, 190}}};
     return kColors[sequence % kColors.size()];
-}
-
-std::vector<std::uint8_t> enlarged(std::span<const std::uint8_t> rgb, int width, int height, int factor) {
-    assert(rgb.size() == 3 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
-    if (factor == 1) return {rgb.begin(), rgb.end()};
-    const auto times = static_cast<std::size_t>(factor);
-    const std::size_t row_bytes = 3 * static_cast<std::size_t>(width);
-    std::vector<std::uint8_t> out;
-    out.reserve(rgb.size() * times * times);
-    for (std::size_t y = 0; y < static_cast<std::size_t>(height); ++y) {
-        std::vector<std::uint8_t> row;
-        row.reserve(row_bytes * times);
-        for (std::size_t x = 0; x < static_cast<std::size_t>(width); ++x) {
-            const auto pixel = rgb.subspan(y * row_bytes + 3 * x, 3);
-            for (std::size_t i = 0; i < times; ++i) row.insert(row.end(), pixel.begin(), pixel.end());
-        }
-        for (std::size_t i = 0; i < times; ++i) out.insert(out.end(), row.begin(), row.end());
-    }
-    return out;
 }
 
 void draw_caption(report::Canvas& canvas, const Box& line, std::size_t sequence, const std::string& text) {

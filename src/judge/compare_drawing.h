@@ -1,7 +1,6 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -19,9 +18,6 @@ inline constexpr report::Color kGround{24, 24, 28}, kInk{236, 236, 240}, kQuiet{
 
 /// Colour of a sequence in tags and curves: apart for weak colour sight too.
 report::Color color_of(std::size_t sequence);
-
-/// Every pixel as a square of factor x factor.
-std::vector<std::uint8_t> enlarged(std::span<const std::uint8_t> rgb, int width, int height, int factor);
 
 /// "A" on its colour, and text in what is left of the line, shortened where that is too little.
 void draw_caption(report::Canvas& canvas, const Box& line, std::size_t sequence, const std::string& text);

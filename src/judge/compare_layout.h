@@ -2,13 +2,10 @@
 #include <cstddef>
 #include <vector>
 
+#include "judge/box.h"
 #include "judge/compare.h"
 
 namespace dapple::judge {
-
-struct Box {
-    int x = 0, y = 0, width = 0, height = 0;
-};
 
 /// A picture or a slice of the video, below its caption.
 struct Panel {

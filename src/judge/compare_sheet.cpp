@@ -96,7 +96,7 @@ Box Sheet::cell(std::size_t column, std::size_t row) const {
 
 std::vector<std::uint8_t> Sheet::fitted(const std::vector<std::uint8_t>& rgb) const {
     return divisor_ > 1 ? reduced(rgb, comparison_.width, comparison_.height, divisor_)
-                        : enlarged(rgb, comparison_.width, comparison_.height, factor_);
+                        : report::enlarged(rgb, comparison_.width, comparison_.height, factor_);
 }
 
 void Sheet::add(std::size_t column, const std::vector<ComparedPicture>& pictures) {

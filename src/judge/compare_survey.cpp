@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "judge/sequence_reader.h"
+#include "metrics/flicker_track.h"
 
 namespace dapple::judge {
 namespace {
@@ -43,23 +44,6 @@ public:
 private:
     static constexpr int kShift = 21;
     std::array<std::uint64_t, std::size_t{1} << (31 - kShift)> bins_{};
-};
-
-/// The last two pictures of a sequence, for the second differences in time.
-class FlickerTrack {
-public:
-    void add(std::int64_t frame, metrics::Picture light, std::map<std::int64_t, metrics::FrameFlicker>& out) {
-        out[frame] = metrics::lone_frame(light);
-        if (!last_.empty() && last_.back().first != frame - 1) last_.clear();
-        if (last_.size() == 2) {
-            out[frame - 1] = metrics::frame_flicker(last_[0].second, last_[1].second, light);
-            last_.erase(last_.begin());
-        }
-        last_.emplace_back(frame, std::move(light));
-    }
-
-private:
-    std::vector<std::pair<std::int64_t, metrics::Picture>> last_;  ///< of adjacent frames
 };
 
 /// Half a percent of the pixels that differ may be beyond the scale.
@@ -118,7 +102,7 @@ std::optional<Survey> survey(const Comparison& comparison, const Look& look,
     Survey survey;
     survey.sequences.resize(comparison.sequences.size());
     for (SurveyedSequence& found : survey.sequences) found.slice.resize(row_bytes * comparison.frames.size());
-    std::vector<FlickerTrack> tracks(comparison.sequences.size());
+    std::vector<metrics::FlickerTrack> tracks(comparison.sequences.size());
     DifferenceHistogram histogram;
 
     ReadOptions options;
@@ -141,11 +125,14 @@ std::optional<Survey> survey(const Comparison& comparison, const Look& look,
             } else if (first) {
                 histogram.add(*first, light);
             }
-            tracks[i].add(step[i].frame, std::move(light), found.frames);
+            tracks[i].add(step[i].frame, std::move(light));
         }
         listener.progress("measured", index + 1, comparison.frames.size());
     }
-    for (SurveyedSequence& found : survey.sequences) found.clip = metrics::clip_flicker(found.frames);
+    for (std::size_t i = 0; i < tracks.size(); ++i) {
+        survey.sequences[i].frames = tracks[i].frames();
+        survey.sequences[i].clip = tracks[i].clip();
+    }
     set_scale(survey, comparison, histogram, difference_scale);
     return survey;
 }

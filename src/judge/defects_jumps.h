@@ -5,14 +5,10 @@
 #include <optional>
 #include <vector>
 
+#include "judge/box.h"
 #include "metrics/picture.h"
 
 namespace dapple::judge {
-
-/// A rectangle of pixels.
-struct Box {
-    int x = 0, y = 0, width = 0, height = 0;
-};
 
 /// A frame that does not continue the motion of those around it.
 struct Jump {

@@ -89,6 +89,25 @@ int Canvas::text(int x, int y, int size, Color color, std::string_view text) {
     });
 }
 
+std::vector<std::uint8_t> enlarged(std::span<const std::uint8_t> rgb, int width, int height, int factor) {
+    assert(rgb.size() == 3 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+    if (factor == 1) return {rgb.begin(), rgb.end()};
+    const auto times = static_cast<std::size_t>(factor);
+    const std::size_t row_bytes = 3 * static_cast<std::size_t>(width);
+    std::vector<std::uint8_t> out;
+    out.reserve(rgb.size() * times * times);
+    for (std::size_t y = 0; y < static_cast<std::size_t>(height); ++y) {
+        std::vector<std::uint8_t> row;
+        row.reserve(row_bytes * times);
+        for (std::size_t x = 0; x < static_cast<std::size_t>(width); ++x) {
+            const auto pixel = rgb.subspan(y * row_bytes + 3 * x, 3);
+            for (std::size_t i = 0; i < times; ++i) row.insert(row.end(), pixel.begin(), pixel.end());
+        }
+        for (std::size_t i = 0; i < times; ++i) out.insert(out.end(), row.begin(), row.end());
+    }
+    return out;
+}
+
 int text_width(int size, std::string_view text) {
     return set_text(size, text);
 }

@@ -41,6 +41,9 @@ private:
     std::vector<std::uint8_t> rgb_;
 };
 
+/// Every pixel of interleaved rows as a square of factor x factor.
+std::vector<std::uint8_t> enlarged(std::span<const std::uint8_t> rgb, int width, int height, int factor);
+
 /// Width in pixels that Canvas::text would take.
 int text_width(int size, std::string_view text);
 

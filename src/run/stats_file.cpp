@@ -15,6 +15,7 @@
 
 #include "base/checked_file.h"
 #include "base/error.h"
+#include "run/json_number.h"
 
 namespace dapple::run {
 namespace {
@@ -69,11 +70,11 @@ TemporalRecord record_from(const Json& json) {
 Json to_json(const metrics::ClipFlicker& clip) {
     return {{"measured_frames", clip.frames.size()},
             {"mean", clip.mean},
-            {"flicker", clip.flicker},
+            {"flicker", json_number(clip.flicker)},
             {"median_term", clip.median_term},
             {"jump_term", clip.jump_term},
             {"worst_frame", *clip.worst_frame},
-            {"worst_flicker", clip.frames.at(*clip.worst_frame).flicker}};
+            {"worst_flicker", json_number(clip.frames.at(*clip.worst_frame).flicker)}};
 }
 
 /// What the file says of a frame.
@@ -179,7 +180,7 @@ void tidy_stats(const std::string& path, const std::map<std::int64_t, FrameEntry
         if (lines.temporal) {
             Json& temporal = json["temporal"] = to_json(*lines.temporal);
             if (clip != nullptr && clip->frames.contains(frame)) {
-                temporal["flicker"] = clip->frames.at(frame).flicker;
+                temporal["flicker"] = json_number(clip->frames.at(frame).flicker);
                 temporal["jump_share"] = clip->frames.at(frame).jump_share;
             }
         }

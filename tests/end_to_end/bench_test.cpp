@@ -153,6 +153,7 @@ TEST(Bench, WrongCallsAreRefused) {
     expect({kSmall, "--repeats", "0"}, 2, "--repeats");
     expect({kSmall, "-f", "1:3"}, 2, "write 1-10x2");
     expect({"--hard-cases", scratch / "none"}, 2, "no folder of timelines");
+    expect({"--hard-cases", kFolder, "--set", "clip.samples=1"}, 2, "hard cases are rendered as they are");
     expect({"--hard-cases", kFolder, "--methods", "sliced"}, 2, "there is no method 'sliced'");
     expect({kSmall, "--ladder", "sliced_beams:water.mesh_cels=3"}, 3, "did you mean 'mesh_cells'?");
     expect({scratch / "none.yaml"}, 4, "none.yaml");

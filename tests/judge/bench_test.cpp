@@ -6,6 +6,8 @@
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <limits>
+#include <nlohmann/json.hpp>
 
 #include "base/error.h"
 #include "image/temporary_folder.h"
@@ -138,7 +140,7 @@ TEST(TimeToError, InterpolatesAPowerLaw) {
     }
     EXPECT_EQ(time_to_error(points, 0.001).state, TimeToError::State::not_reached);
     const TimeToError first = time_to_error(points, 0.2);
-    EXPECT_EQ(first.state, TimeToError::State::by_first);
+    EXPECT_EQ(first.state, TimeToError::State::at_most);
     EXPECT_EQ(first.seconds, 1);
     EXPECT_EQ(to_string(first), "<= 1.000 s");
     EXPECT_EQ(to_string(time_to_error(points, 0.001)), "not reached");
@@ -150,8 +152,21 @@ TEST(TimeToError, TakesTheFirstCrossingAndAnyOrder) {
     EXPECT_EQ(time.state, TimeToError::State::reached);
     EXPECT_NEAR(time.seconds, 2, 1e-12);
     EXPECT_EQ(time_to_error({}, 0.1).state, TimeToError::State::not_reached);
-    // An error of 0 has no logarithm: the point is left out.
-    EXPECT_EQ(time_to_error({{1, 0}, {2, 0.5}}, 0.1).state, TimeToError::State::not_reached);
+    EXPECT_EQ(time_to_error({{1, std::nan("")}}, 0.1).state, TimeToError::State::not_reached);
+}
+
+TEST(TimeToError, AnErrorTooSmallToBeToldIsReachedAtMostThen) {
+    // An error of 0 has no logarithm, so that nothing can be interpolated on the way to it.
+    for (const auto& points : {std::vector<std::pair<double, double>>{{1, 0}, {2, 0.5}},
+                               {{0.5, 0.3}, {1, 0}},
+                               {{0.5, std::numeric_limits<double>::infinity()}, {1, 0.05}}}) {
+        const TimeToError time = time_to_error(points, 0.1);
+        EXPECT_EQ(time.state, TimeToError::State::at_most);
+        EXPECT_EQ(time.seconds, 1);
+        EXPECT_EQ(to_string(time), "<= 1.000 s");
+    }
+    // A larger error is between the rungs.
+    EXPECT_EQ(time_to_error({{0.5, 0.3}, {1, 0.1}, {2, 0}}, 0.2).state, TimeToError::State::reached);
 }
 
 constexpr const char* kStats =
@@ -219,7 +234,7 @@ BenchResult made_up_result() {
     result.width = result.height = 2;
     result.ladders = {{"sliced_beams", "water.mesh_cells", {"10", "20"}}};
     ReferenceResult reference;
-    reference.noise = {1, 0.01, 0.008};
+    reference.noise = {1, 400, 0.01, 0.008};
     result.reference = reference;
     for (const double t : {1.0, 2.0}) {
         RungResult rung;
@@ -249,6 +264,8 @@ TEST(Report, HoldsAllFigures) {
     EXPECT_THAT(bench_text(result), HasSubstr("1.265 s"));
     const std::string json = bench_json(result);
     EXPECT_THAT(json, HasSubstr("\"not_reached\""));
+    EXPECT_EQ(case_failures(result), (std::vector<std::string>{"case, sliced_beams fails: 2 values"}));
+    EXPECT_THAT(bench_text(result), HasSubstr("case, sliced_beams fails: 2 values"));
     // As many fields in every line of the table, whatever the run.
     const std::string csv = bench_csv(result);
     std::vector<long> commas;
@@ -262,6 +279,51 @@ TEST(Report, HoldsAllFigures) {
         line.clear();
     }
     EXPECT_THAT(commas, ElementsAre(commas.at(0), commas.at(0), commas.at(0), commas.at(0)));
+}
+
+std::size_t count(const std::string& text, const std::string& part) {
+    std::size_t times = 0;
+    for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++times;
+    return times;
+}
+
+TEST(Report, EveryRowHasAsManyCellsAsItsHead) {
+    const std::string html = bench_html(made_up_result());
+    std::size_t tables = 0, rows = 0;
+    for (std::size_t at = html.find("<table"); at != std::string::npos; at = html.find("<table", at + 1)) {
+        const std::string table = html.substr(at, html.find("</table>", at) - at);
+        const std::size_t columns = count(table, "<th ");
+        for (std::size_t row = table.find("<tr><td"); row != std::string::npos;
+             row = table.find("<tr><td", row + 1)) {
+            EXPECT_EQ(count(table.substr(row, table.find("</tr>", row) - row), "<td"), columns)
+                << table.substr(row, 200);
+            ++rows;
+        }
+        ++tables;
+    }
+    EXPECT_EQ(tables, 6u);
+    EXPECT_GT(rows, 8u);
+}
+
+TEST(Report, ErrorsTooSmallToBeToldAreDrawnAndSaid) {
+    BenchResult result = made_up_result();
+    result.rungs[1].judged.errors.rmse_less_noise = 0;
+    EXPECT_THAT(bench_html(made_up_result()), testing::Not(HasSubstr("too small to be told")));
+    EXPECT_THAT(bench_html(result), HasSubstr("too small to be told from the reference&#39;s noise, drawn at "
+                                              "0.01: sliced_beams, water.mesh_cells at 2.000 s."));
+    EXPECT_THAT(bench_text(result), HasSubstr("<= 2.000 s"));
+}
+
+TEST(Report, InfinityIsToldFromNoFigure) {
+    BenchResult result = made_up_result();
+    ClipErrors& errors = result.rungs[0].judged.errors;
+    errors.energy = errors.l1_inside = std::numeric_limits<double>::infinity();
+    result.hard_cases[0].verdicts[0].energy = std::numeric_limits<double>::infinity();
+    const auto json = nlohmann::json::parse(bench_json(result));
+    EXPECT_EQ(json.at("runs")[0].at("errors").at("energy"), "inf");
+    EXPECT_EQ(json.at("runs")[0].at("errors").at("l1_inside"), "inf");
+    EXPECT_TRUE(json.at("runs")[0].at("errors").at("flicker").is_null());
+    EXPECT_EQ(json.at("hard_cases")[0].at("verdicts")[0].at("energy"), "inf");
 }
 
 }  // namespace
