@@ -134,6 +134,7 @@ void add_check_verb(CLI::App& app, Run& run) {
     verb->add_flag("--delta-flip", options.delta_flip,
                    "Also FLIP from frame to frame, less that of the reference (three times the work)");
     verb->add_option("--ppd", options.pixels_per_degree, "Pixels per degree of FLIP's observer")
+        ->check(above_zero())  // no NaN, which lies in any range
         ->check(CLI::Range(1.0, 1000.0))
         ->capture_default_str();
     verb->add_option("--exposures", arguments->exposures,

@@ -53,6 +53,9 @@ TEST_F(ExitCode, Of2IsAWrongCall) {
     expect_failure(render({"--existing", "maybe"}), 2, "verify,skip,overwrite,error");
     expect_failure(render({"--max-memory", "much"}), 2, "write 8G");
     expect_failure(render({"--threads", "-1"}), 2, "--threads");
+    for (const std::string degrees : {"0.9", "1001", "nan", "inf"}) {
+        expect_failure(run_dapple(scratch, {"check", ".", "--ppd", degrees}), 2, "--ppd");
+    }
     expect_nothing_written();
 }
 
