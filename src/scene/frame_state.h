@@ -129,6 +129,7 @@ struct PhotonSplattingParameters {
 
 struct SlicedBeamsParameters {
     int sun_samples = 1;  ///< equal parts of a sun's disc, each traced by its middle and widened by its size
+    bool path_counts = true;  ///< whether light paths are counted: layers paths.count, paths.sign, fold
 };
 
 struct ReferenceParameters {

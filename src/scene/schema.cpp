@@ -405,6 +405,10 @@ const Structure& caustics_schema() {
                 "equal parts of a sun's disc, each traced by its middle and widened by its size")
                 .within(1, 1024)
                 .only_for({"sliced_beams"}),
+            integral<&Caustics::sliced_beams, &SlicedBeamsParameters::path_counts>(
+                "path_counts", FieldKind::boolean,
+                "whether light paths are counted: the layers paths.count, paths.sign and fold")
+                .only_for({"sliced_beams"}),
             number<&Caustics::reference, &ReferenceParameters::standard_error>(
                 "standard_error", Dimension::number,
                 "of E, mean over pixels over the mean of E, at which it ends")

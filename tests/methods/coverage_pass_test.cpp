@@ -99,6 +99,17 @@ TEST(CoveragePass, GivesTheSameBitsAgainAndForLayersTogether) {
     EXPECT_EQ(first.results[0].irradiance, both.results[1].irradiance);
 }
 
+TEST(SlicedBeams, CountsPathsUnlessToldNotTo) {
+    scene::FrameScene scene = test::pool_scene(64, 36, 100, 0);
+    test::CoverageFrame frame(test::validated_device(), scene);
+    const Rendered counted = render(frame, CoverageBackend::cpu);
+    ASSERT_EQ(counted.results[0].data.size(), 3u);
+    scene.state.caustics.sliced_beams.path_counts = false;
+    const Rendered plain = render(frame, CoverageBackend::cpu);
+    EXPECT_TRUE(plain.results[0].data.empty());
+    EXPECT_EQ(plain.results[0].irradiance, counted.results[0].irradiance);
+}
+
 TEST(CoveragePass, IsChosenByTheTypeOfTheDevice) {
     const scene::FrameScene scene = test::pool_scene(64, 36, 100, 0);
     gpu::Device& device = test::validated_device();

@@ -122,6 +122,7 @@ TEST(Schema, ReferenceTellsWhichMethodAKeyIsFor) {
     for (const char* line :
          {"  method: sliced_beams, photon_splatting, reference, default ",
           "  sun_samples: whole number, >= 1, <= 1024, default 1 [method: sliced_beams]\n",
+          "  path_counts: true or false, default true [method: sliced_beams]\n",
           "  standard_error: number (%), > 0, default 0.01 [method: reference]\n",
           "  most_rays: whole number, >= 1, <= 1000000, default 1000 [method: reference]\n",
           "  dispersion: number (%), >= 0, <= 0.2, default 0, keyed or constant\n",

@@ -205,6 +205,8 @@ TEST(Timeline, EachCausticMethodHasItsKeys) {
     const scene::Caustics beams = caustics("method: sliced_beams, sun_samples: 7");
     EXPECT_EQ(beams.method, "sliced_beams");
     EXPECT_EQ(beams.sliced_beams.sun_samples, 7);
+    EXPECT_TRUE(beams.sliced_beams.path_counts);
+    EXPECT_FALSE(caustics("path_counts: false").sliced_beams.path_counts);
     const scene::Caustics reference = caustics("method: reference, standard_error: 2 %, most_rays: 50");
     EXPECT_EQ(reference.method, "reference");
     EXPECT_EQ(reference.reference.standard_error, 0.02);

@@ -206,7 +206,8 @@ void SlicedBeams::irradiance(FrameContext& context, std::span<const view::Receiv
         context.stats.count("lattice nodes", static_cast<double>(state_->lattice->nodes()));
     }
     for (std::size_t i = 0; i < layers.size(); ++i) {
-        if (layers[i].sample == 0 && layers[i].branch == 0) {
+        if (layers[i].sample == 0 && layers[i].branch == 0 &&
+            context.scene.state.caustics.sliced_beams.path_counts) {
             const ScopedPass pass(context.stats, "path counts");
             state_->find_points(context, layers[i], results[i]);
         }
