@@ -56,10 +56,10 @@ int parse_and_run(int argc, char** argv) {
         const bool known =
             !parser.get_subcommands([&](const CLI::App* verb) { return verb->get_name() == first; }).empty();
         if (!first.starts_with('-') && !known) {
-            return fail(
-                ExitCode::usage,
-                (first.empty() ? "a verb is missing" : "unknown verb '" + clipped(first) + "'") +
-                    "; there are render, validate, probe, check, compare, bench and info (see dapple --help)");
+            return fail(ExitCode::usage,
+                        (first.empty() ? "a verb is missing" : "unknown verb '" + clipped(first) + "'") +
+                            "; there are render, validate, probe, check, compare, bench and info (see dapple "
+                            "--help)");
         }
         return fail(ExitCode::usage, one_line(error.what()) + " (see --help)");
     }
