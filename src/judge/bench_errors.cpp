@@ -204,6 +204,7 @@ ErrorJudge::ErrorJudge(run::OutputPaths reference, std::vector<std::int64_t> fra
         noise_.l1 = std::sqrt(2 / std::numbers::pi) * deviation / count / noise_.mean;
     }
     std::vector<const Picture*> pointers;
+    pointers.reserve(pictures.size());
     for (const Picture& picture : pictures) pointers.push_back(&picture);
     exposures_ = metrics::exposures_of(pointers);
 }

@@ -155,6 +155,7 @@ Spread spread_of(const std::vector<std::vector<double>>& values) {
     double sum = 0, least = 1, most = 1;
     for (std::size_t f = 0; f < frames; ++f) {
         std::vector<double> of_frame;
+        of_frame.reserve(values.size());
         for (const std::vector<double>& repeat : values) of_frame.push_back(repeat[f]);
         const double middle = median(of_frame);
         sum += middle;

@@ -44,7 +44,7 @@ double mean_of(const std::vector<float>& values, std::size_t counted) {
 std::vector<std::int64_t> pilot_frames(const std::vector<std::int64_t>& frames) {
     if (frames.empty()) return {};
     std::vector<std::int64_t> pilots{frames.front(), frames[frames.size() / 2], frames.back()};
-    pilots.erase(std::ranges::unique(pilots).begin(), pilots.end());
+    pilots.erase(std::unique(pilots.begin(), pilots.end()), pilots.end());
     return pilots;
 }
 

@@ -135,7 +135,8 @@ void JumpFinder::for_neighbours(std::size_t block, const PerBlock& body) const {
     const int row = static_cast<int>(block) / columns_;
     for (int y = std::max(row - 1, 0); y <= std::min(row + 1, rows_ - 1); ++y) {
         for (int x = std::max(column - 1, 0); x <= std::min(column + 1, columns_ - 1); ++x) {
-            body(static_cast<std::size_t>(y * columns_ + x));
+            const int neighbour = y * columns_ + x;
+            body(static_cast<std::size_t>(neighbour));
         }
     }
 }
@@ -347,7 +348,8 @@ std::vector<std::size_t> JumpFinder::squares(const std::vector<double>& scores) 
     std::vector<bool> counted(scores.size());
     for (int row = 0; row + 1 < rows_; ++row) {
         for (int column = 0; column + 1 < columns_; ++column) {
-            const auto first = static_cast<std::size_t>(row * columns_ + column);
+            const int corner = row * columns_ + column;
+            const auto first = static_cast<std::size_t>(corner);
             const std::size_t square[] = {first, first + 1, first + static_cast<std::size_t>(columns_),
                                           first + static_cast<std::size_t>(columns_) + 1};
             if (!std::ranges::all_of(square, [&](std::size_t block) { return scores[block] >= 1; })) continue;

@@ -207,6 +207,7 @@ Sequence of_folder(const std::string& specification, const fs::path& folder, con
     }
     if (groups.size() > 1) {
         std::vector<std::string> patterns;
+        patterns.reserve(groups.size());
         for (const auto& [key, group] : groups) patterns.push_back(pattern_of(group.front()));
         refuse(folder.string() + " holds " + std::to_string(groups.size()) +
                " sequences; name one of them: " + list_of(patterns));

@@ -155,6 +155,10 @@ TEST(CheckedFile, WritesAllInSpiteOfShortWrites) {
     const auto bytes = sample_bytes(3'000'000);
     int ends[2];
     ASSERT_EQ(::pipe(ends), 0);
+    struct sigaction action {};
+    struct sigaction before {};
+    action.sa_handler = [](int) {};          // without SA_RESTART
+    ::sigaction(SIGUSR1, &action, &before);  // before there is anybody who sends it
     const pid_t child = ::fork();
     if (child == 0) {
         ::close(ends[1]);
@@ -166,10 +170,6 @@ TEST(CheckedFile, WritesAllInSpiteOfShortWrites) {
         }
         ::_exit(size == bytes.size() && got == bytes ? 0 : 1);
     }
-    struct sigaction action {};
-    struct sigaction before {};
-    action.sa_handler = [](int) {};  // without SA_RESTART
-    ::sigaction(SIGUSR1, &action, &before);
     ::close(ends[0]);
     write_all(ends[1], bytes, "pipe");
     ::close(ends[1]);

@@ -58,7 +58,7 @@ image::Image picture_of(const Shown& shown) {
 class ErrorJudgeTest : public testing::Test {
 protected:
     run::OutputPaths clip(const std::string& name, const std::vector<Shown>& frames) {
-        const run::OutputPaths paths(folder_ / name, "clip");
+        run::OutputPaths paths(folder_ / name, "clip");
         paths.make_folders();
         for (std::size_t i = 0; i < frames.size(); ++i)
             image::write_exr_verified(paths.linear(static_cast<std::int64_t>(i) + 1), picture_of(frames[i]));

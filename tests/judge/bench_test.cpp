@@ -23,7 +23,6 @@ namespace {
 using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
-using testing::IsEmpty;
 
 const std::string kSmall = std::string(DAPPLE_SOURCE_DIR) + "/tests/end_to_end/small.yaml";
 const std::string kPool = std::string(DAPPLE_SOURCE_DIR) + "/sequences/pool.yaml";

@@ -94,8 +94,10 @@ TEST_F(Check, ADuplicateIsFoundAndItsConsequencesAreNot) {
 }
 
 TEST_F(Check, AStillOrHeldClipIsNoRowOfDuplicates) {
-    test::write_clip(folder / "clip", kFrames,
-                     [](int number, image::Image& frame) { frame = test::clean_frame((number + 1) / 2); });
+    test::write_clip(folder / "clip", kFrames, [](int number, image::Image& frame) {
+        const int drawing = (number + 1) / 2;
+        frame = test::clean_frame(drawing);
+    });
     const CheckResult held = check_clip();
     EXPECT_THAT(found(held), IsEmpty());
     EXPECT_THAT(held.notes, ElementsAre(HasSubstr("9 of 17")));

@@ -102,6 +102,7 @@ TEST(CoveragePass, GivesTheSameBitsAgainAndForLayersTogether) {
 TEST(SlicedBeams, CountsPathsUnlessToldNotTo) {
     scene::FrameScene scene = test::pool_scene(64, 36, 100, 0);
     test::CoverageFrame frame(test::validated_device(), scene);
+    frame.layers()[0].branch = 0;
     const Rendered counted = render(frame, CoverageBackend::cpu);
     ASSERT_EQ(counted.results[0].data.size(), 3u);
     scene.state.caustics.sliced_beams.path_counts = false;

@@ -72,8 +72,9 @@ LightLattice::Patch LightLattice::patch(std::uint32_t object, std::uint32_t inde
                             cell = index % (kSphereCells * kSphereCells);
         const int axis = face_axis(face);
         normal[axis] = face_sign(face);
-        normal[(axis + 1) % 3] = (2.0 * (cell % kSphereCells) + 1) / kSphereCells - 1;
-        normal[(axis + 2) % 3] = (2.0 * (cell / kSphereCells) + 1) / kSphereCells - 1;
+        const std::uint32_t column = cell % kSphereCells, row = cell / kSphereCells;
+        normal[(axis + 1) % 3] = (2.0 * column + 1) / kSphereCells - 1;
+        normal[(axis + 2) % 3] = (2.0 * row + 1) / kSphereCells - 1;
         normal = glm::normalize(normal);
         point = shape.half.x * normal;
     } else {
@@ -237,8 +238,9 @@ void LightLattice::fill(const Request& request, Block& block, QueryCounts& count
     std::vector<std::size_t> places;
     for (std::uint64_t left = request.nodes; axes && left != 0; left &= left - 1) {
         const int bit = __builtin_ctzll(left);
-        const double row = kBlockSide * request.key.row + bit / kBlockSide;
-        const double column = kBlockSide * request.key.column + bit % kBlockSide;
+        const std::int32_t row_in_block = bit / kBlockSide, column_in_block = bit % kBlockSide;
+        const double row = kBlockSide * request.key.row + row_in_block;
+        const double column = kBlockSide * request.key.column + column_in_block;
         // A footprint of its own that is nothing against the disc's image.
         const glm::dvec3 u = 0.1 * axes->u, v = 0.1 * axes->v;
         receivers.push_back({glm::vec3(patch.point + column * axes->u + row * axes->v), glm::vec3(u),
