@@ -46,6 +46,7 @@ std::string error_of(const std::string& line) {
 ProcessEnd run_process(const std::vector<std::string>& arguments, const std::function<bool()>& stop,
                        const std::function<void(const std::string&)>& on_line) {
     std::vector<char*> argv;
+    argv.reserve(arguments.size() + 1);
     for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
     argv.push_back(nullptr);
     int ends[2];
