@@ -45,7 +45,7 @@ int holds(const Landed& a, const Landed& b, const Landed& c) {
 }
 
 /// Far past focus, where as many clusters as this may flag a point, its count is not sure in any case.
-constexpr std::size_t kMostFoldClusters = 64;
+constexpr std::size_t kMostFoldClusters = 128;
 /// The same of a tile of points.
 constexpr std::size_t kMostFoldNodes = 2048;
 
