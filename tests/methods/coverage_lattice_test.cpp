@@ -79,6 +79,32 @@ TEST(CoverageLattice, SharedReceiversAreAsNearTheTruthAsThoseAskedOneByOne) {
     EXPECT_LT(of_alone, 0.06);
 }
 
+TEST(CoverageLattice, KeepsTheEdgesOfShadows) {
+    const scene::FrameScene scene = test::pool_scene(320, 180, 100, kDisc);
+    test::CoverageFrame frame(test::validated_device(), scene);
+    methods::SlicedBeams method(CoverageBackend::cpu);
+    FrameStats stats;
+    const std::vector<glm::vec3> shared = frame.irradiance(method, stats)[0].irradiance;
+    const std::vector<glm::vec3> alone = one_by_one(scene, frame.layers()[0], 1);
+    // Where light ends from a pixel to the next.
+    double difference = 0, light = 0;
+    std::size_t edges = 0;
+    for (std::size_t i = 1; i < alone.size(); ++i) {
+        const auto at = static_cast<double>(alone[i].y), beside = static_cast<double>(alone[i - 1].y);
+        if (std::max(at, beside) == 0 || std::min(at, beside) > 0.2 * std::max(at, beside)) continue;
+        ++edges;
+        light += at + beside;
+        difference += std::abs(at - static_cast<double>(shared[i].y)) +
+                      std::abs(beside - static_cast<double>(shared[i - 1].y));
+    }
+    printf("%.0f nodes; %zu edges, L1 there %.1e\n", stats.counted("lattice nodes"), edges,
+           difference / light);
+    EXPECT_GT(stats.counted("lattice nodes"), 500);
+    EXPECT_GT(edges, 100u);
+    // No more than the 0.9 % by which the two differ anywhere; interpolated across the edges it is 2 %.
+    EXPECT_LT(difference, 0.009 * light);
+}
+
 TEST(CoverageLattice, GivesTheSameBitsForLayersTogetherAndOnTheDevice) {
     const scene::FrameScene scene = test::pool_scene(160, 90, 100, kDisc);
     test::CoverageFrame frame(test::validated_device(), scene);

@@ -157,14 +157,6 @@ std::optional<LightLattice::Place> LightLattice::place(std::size_t sheet, std::u
     return Place{{static_cast<std::uint32_t>(sheet), object, patch->index, level, 0, 0}, at.x, at.y, facing};
 }
 
-LightLattice::Split LightLattice::split(std::size_t sheet, const ReceiverGroup& group) const {
-    Split split;
-    for (std::size_t i = 0; i < group.receivers.size(); ++i)
-        (blurs(sheet) && place(sheet, group.object, group.receivers[i]) ? split.shared : split.alone)
-            .push_back(i);
-    return split;
-}
-
 namespace {
 
 /// Calls `visit(row, column, weight)` for the 4 x 4 nodes about a point, in a fixed order.
@@ -232,6 +224,7 @@ void LightLattice::find(std::vector<Request> requests, QueryCounts& counts) {
 void LightLattice::fill(const Request& request, Block& block, QueryCounts& counts) const {
     block.key = request.key;
     block.irradiance.fill(glm::vec3(0));
+    block.hidden = 0;
     const Patch patch = this->patch(request.key.object, request.key.patch);
     const std::optional<Axes> axes = this->axes(request.key.sheet, patch, request.key.level);
     std::vector<Receiver<float>> receivers;
@@ -248,13 +241,40 @@ void LightLattice::fill(const Request& request, Block& block, QueryCounts& count
         places.push_back(static_cast<std::size_t>(bit));
     }
     std::vector<glm::vec3> irradiance(receivers.size(), glm::vec3(0));
-    sheets_[request.key.sheet]->add(receivers, request.key.object, irradiance, counts);
-    for (std::size_t i = 0; i < places.size(); ++i) block.irradiance[places[i]] = irradiance[i];
+    std::vector<std::uint8_t> hidden(receivers.size(), 0);
+    sheets_[request.key.sheet]->add(receivers, request.key.object, irradiance, counts, hidden);
+    for (std::size_t i = 0; i < places.size(); ++i) {
+        block.irradiance[places[i]] = irradiance[i];
+        block.hidden |= std::uint64_t{hidden[i]} << places[i];
+    }
 }
 
 const LightLattice::Block& LightLattice::block(const BlockKey& key) const {
     return *std::lower_bound(blocks_.begin(), blocks_.end(), key,
                              [](const Block& block, const BlockKey& wanted) { return block.key < wanted; });
+}
+
+LightLattice::Split LightLattice::split(std::size_t sheet, const ReceiverGroup& group) const {
+    Split split;
+    for (std::size_t i = 0; i < group.receivers.size(); ++i) {
+        const std::optional<Place> place =
+            blurs(sheet) ? this->place(sheet, group.object, group.receivers[i]) : std::nullopt;
+        (place && !near_shadow(*place) ? split.shared : split.alone).push_back(i);
+    }
+    return split;
+}
+
+bool LightLattice::near_shadow(const Place& place) const {
+    bool found = false;
+    const Block* last = nullptr;
+    visit_nodes(place.row, place.column, [&](std::int32_t row, std::int32_t column, float) {
+        BlockKey key = place.plane;
+        key.row = block_of(row);
+        key.column = block_of(column);
+        if (!last || last->key != key) last = &block(key);
+        found |= (last->hidden >> bit_of(row, column) & 1) != 0;
+    });
+    return found;
 }
 
 void LightLattice::add(std::size_t sheet, const ReceiverGroup& group, std::span<const std::size_t> shared,

@@ -37,7 +37,9 @@ public:
         BlockKey key;
         std::uint64_t nodes;  ///< bit 8 * row + column
     };
-    /// Which receivers of a group a sheet is asked for one by one, and which are interpolated; indices.
+    /// Which receivers of a group a sheet is asked for one by one, and which are interpolated; indices. The
+    /// edge of a shadow lies between nodes: where an object hides light from any of a receiver's, the
+    /// receiver is asked for itself.
     struct Split {
         std::vector<std::size_t> alone, shared;
     };
@@ -47,7 +49,6 @@ public:
 
     /// Whether the sheet's disc is wide enough for any receiver.
     bool blurs(std::size_t sheet) const { return sheets_[sheet]->blurs(); }
-    Split split(std::size_t sheet, const ReceiverGroup& group) const;
     /// Adds the nodes that the group's shared receivers need.
     void ask(std::size_t sheet, const ReceiverGroup& group, std::vector<Request>& requests) const;
     /// Finds the light of all nodes asked for. The same bits in whatever parts and order they are asked for.
@@ -90,6 +91,7 @@ private:
     struct Block {
         BlockKey key;
         std::array<glm::vec3, 64> irradiance;
+        std::uint64_t hidden;  ///< nodes from which an object keeps some of the light; bits as in Request
     };
     struct Shape {
         scene::Shape shape;
@@ -104,6 +106,9 @@ private:
     std::optional<Place> place(std::size_t sheet, std::uint32_t object,
                                const Receiver<float>& receiver) const;
     const Block& block(const BlockKey& key) const;
+    /// Of receivers whose nodes have been found.
+    Split split(std::size_t sheet, const ReceiverGroup& group) const;
+    bool near_shadow(const Place& place) const;
     void fill(const Request& request, Block& block, QueryCounts& counts) const;
 
     Sheets sheets_;

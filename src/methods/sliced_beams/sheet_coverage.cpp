@@ -117,9 +117,10 @@ Receiver<Real> SheetCoverage<Real>::in_sheet(const Receiver<Real>& world) const 
 
 template <class Real>
 void SheetCoverage<Real>::add(std::span<const Receiver<Real>> receivers, std::uint32_t object,
-                              std::span<Vec3<Real>> irradiance, QueryCounts& counts) const {
+                              std::span<Vec3<Real>> irradiance, QueryCounts& counts,
+                              std::span<std::uint8_t> hidden) const {
     if (pyramid_->empty()) return;
-    Tile<Real>(*this, receivers, object, irradiance, counts).run();
+    Tile<Real>(*this, receivers, object, irradiance, counts, hidden).run();
 }
 
 template class SheetCoverage<float>;

@@ -43,9 +43,11 @@ public:
     glm::dvec3 absorption() const { return absorption_; }
 
     /// Adds this sheet's irradiance [W/m^2] of up to kTileReceivers receivers near each other on one object,
-    /// in world axes relative to FrameScene::origin. Thread-safe.
+    /// in world axes relative to FrameScene::origin. Thread-safe. `hidden`, if given, becomes 1 where an
+    /// object keeps some of the light from a receiver.
     void add(std::span<const Receiver<Real>> receivers, std::uint32_t object,
-             std::span<Vec3<Real>> irradiance, QueryCounts& counts) const;
+             std::span<Vec3<Real>> irradiance, QueryCounts& counts,
+             std::span<std::uint8_t> hidden = {}) const;
 
     /// How far a plane leans, m of depth a m across the axis, as rays see it that land within a beam: large
     /// where they run along it. `normal` is in the sheet's axes.

@@ -24,8 +24,14 @@ Bounds bounds_of(const Box<Real>& box, Real low, Real high) {
 
 template <class Real>
 Tile<Real>::Tile(const SheetCoverage<Real>& sheet, std::span<const Receiver<Real>> receivers,
-                 std::uint32_t object, std::span<Vec3<Real>> irradiance, QueryCounts& counts)
-    : sheet_(sheet), pyramid_(*sheet.pyramid_), irradiance_(irradiance), counts_(counts), object_(object) {
+                 std::uint32_t object, std::span<Vec3<Real>> irradiance, QueryCounts& counts,
+                 std::span<std::uint8_t> hidden)
+    : sheet_(sheet),
+      pyramid_(*sheet.pyramid_),
+      irradiance_(irradiance),
+      counts_(counts),
+      hidden_(hidden),
+      object_(object) {
     place_receivers(receivers);
 }
 
@@ -438,7 +444,10 @@ void Tile<Real>::trace(bool after) {
     std::size_t ray = 0, kept = 0;
     for (const Pair& pair : pairs_) {
         const bool traced = after ? pair.shade.after : pair.shade.before;
-        if (!traced || !blocked[ray++]) pairs_[kept++] = pair;
+        if (!traced || !blocked[ray++])
+            pairs_[kept++] = pair;
+        else if (!hidden_.empty())
+            hidden_[pair.index] = 1;
     }
     pairs_.erase(pairs_.begin() + static_cast<std::ptrdiff_t>(kept), pairs_.end());
 }

@@ -32,7 +32,7 @@ template <class Real>
 class Tile {
 public:
     Tile(const SheetCoverage<Real>& sheet, std::span<const Receiver<Real>> receivers, std::uint32_t object,
-         std::span<Vec3<Real>> irradiance, QueryCounts& counts);
+         std::span<Vec3<Real>> irradiance, QueryCounts& counts, std::span<std::uint8_t> hidden = {});
     void run() {
         if (find()) cover();
     }
@@ -106,6 +106,7 @@ private:
     const BeamPyramid<Real>& pyramid_;
     std::span<Vec3<Real>> irradiance_;
     QueryCounts& counts_;
+    std::span<std::uint8_t> hidden_;  ///< empty: nobody asks
     std::uint32_t object_;
     std::vector<Local> locals_;
     Box<Real> bounds_{};
