@@ -123,7 +123,8 @@ void add_check_verb(CLI::App& app, Run& run) {
     verb->add_option("--layer", options.layer, "Layer to judge, as caustics or E (default: R, G, B)");
     verb->add_flag("--graded", arguments->graded,
                    "Judge the graded pictures of folders that dapple rendered");
-    verb->add_option("--frames", arguments->frames, "Frames to judge, as 1-48, 1-47x2 or 3,5 (default: all)");
+    verb->add_option("-f,--frames", arguments->frames,
+                     "Frames to judge, as 1-48, 1-47x2 or 3,5 (default: all)");
     add_limits(*verb, options.limits);
     verb->add_option(
         "--motion", options.motion_layer,

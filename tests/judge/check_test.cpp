@@ -573,6 +573,9 @@ TEST_F(Check, FiveHundredDamagedFilesAreFindings) {
 }
 
 TEST_F(Check, MemoryDoesNotGrowWithTheClip) {
+#ifdef __SANITIZE_ADDRESS__
+    GTEST_SKIP() << "AddressSanitizer keeps what was freed: the peak says nothing of what is in use";
+#endif
     test::write_clip(folder / "clip", 8);
     test::write_clip(folder / "reference", 8);
     // Long clips of the same few files.

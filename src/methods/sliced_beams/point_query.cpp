@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "methods/sliced_beams/exact_side.h"
 
 namespace dapple::methods::sliced_beams {
 namespace {
@@ -12,37 +13,6 @@ namespace {
 /// along an edge is off by an eighth at most; triangles are so along their edges only, so a little more (of
 /// 46 points of 10^4 at which a mesh and interval Newton disagreed, all lay within 0.15).
 constexpr double kFoldShare = 1.0 / 6;
-
-/// A landing point relative to the receiver, rounded so that products are exact in double.
-struct Landed {
-    float x = 0, y = 0;
-};
-
-/// Sign of the area of the triangle (0, p, q), exact; the point 0 counts as moved by an infinitely small step
-/// along (1, e), so that no edge contains it (Edelsbrunner & Muecke 1990). 0 where p = q.
-int side(const Landed& p, const Landed& q) {
-    const double left = static_cast<double>(p.x) * static_cast<double>(q.y);
-    const double right = static_cast<double>(q.x) * static_cast<double>(p.y);
-    if (left != right) return left > right ? 1 : -1;
-    if (p.y != q.y) return p.y > q.y ? 1 : -1;
-    if (p.x != q.x) return q.x > p.x ? 1 : -1;
-    return 0;
-}
-
-/// Sign of the orientation of a triangle whose corners are given relative to a point, without regard to it.
-int orientation(const Landed& a, const Landed& b, const Landed& c) {
-    const double area = (static_cast<double>(b.x) - static_cast<double>(a.x)) *
-                            (static_cast<double>(c.y) - static_cast<double>(a.y)) -
-                        (static_cast<double>(c.x) - static_cast<double>(a.x)) *
-                            (static_cast<double>(b.y) - static_cast<double>(a.y));
-    return area > 0 ? 1 : area < 0 ? -1 : 0;
-}
-
-/// 1 or -1 where the triangle holds the point, 0 elsewhere.
-int holds(const Landed& a, const Landed& b, const Landed& c) {
-    const int first = side(a, b);
-    return first != 0 && first == side(b, c) && first == side(c, a) ? first : 0;
-}
 
 /// Far past focus, where as many clusters as this may flag a point, its count is not sure in any case.
 constexpr std::size_t kMostFoldClusters = 128;

@@ -125,7 +125,4 @@ private:
     std::vector<Pair> pairs_;
 };
 
-extern template class Tile<float>;
-extern template class Tile<double>;
-
 }  // namespace dapple::methods::sliced_beams
