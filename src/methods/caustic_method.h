@@ -14,6 +14,7 @@
 #include "rays/ray_scene.h"
 #include "scene/frame_scene.h"
 #include "view/receiver_layer.h"
+#include "view/segment_layer.h"
 
 namespace dapple::methods {
 
@@ -65,6 +66,10 @@ public:
     virtual ~CausticMethod() = default;
     /// What it does for the scene, from the state alone: nothing has been built when the plan is made.
     virtual Support supports_surface(const scene::FrameState& state) const = 0;
+    /// What it does for light that media scatter towards the camera. Asked only where something scatters.
+    virtual Support supports_volume(const scene::FrameState&) const {
+        return {Support::Degree::no, "the method finds caustics on surfaces only"};
+    }
     /// Whether it covers receivers that the camera sees through or by a specular surface; layers without any
     /// other receiver are not handed to a method that does not.
     virtual bool serves_behind_specular() const { return false; }
@@ -75,6 +80,10 @@ public:
     /// E of each layer; any batching of layers gives the same bits. `results` has one entry a layer.
     virtual void irradiance(FrameContext& context, std::span<const view::ReceiverLayer> layers,
                             std::span<LayerResult> results) = 0;
+    /// Single-scattered caustic radiance S of each segment of a layer, W/m^2/sr, attenuated to the segment's
+    /// near end: light that came through one of the context's chains and is then scattered once on the
+    /// segment. `radiance` has an entry a segment and holds 0. Called only where supports_volume() is not no.
+    virtual void in_scatter(FrameContext&, const view::SegmentLayer&, std::span<glm::vec3>) {}
 };
 
 }  // namespace dapple::methods

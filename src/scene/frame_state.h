@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "scene/medium.h"
+#include "scene/transform.h"
 #include "scene/water_surface.h"
 
 /// Plain data of one instant. Lengths are metres, times seconds, angles radians; right-handed, y up; the rest
@@ -65,7 +67,11 @@ struct Water {
     /// Index at 450 nm less that at 650 nm (water: 0.0055), for light on its way to receivers: red has
     /// refractive_index - dispersion / 2, blue + dispersion / 2.
     double dispersion = 0;
+    JerlovType jerlov = JerlovType::none;     ///< other than none: gives what is not given of the next two
     glm::dvec3 absorption{0.35, 0.06, 0.03};  ///< /m, a channel
+    glm::dvec3 scattering{0, 0, 0};           ///< /m, a channel
+    PhaseFunction phase;                      ///< of the scattering
+    glm::dvec3 extinction() const { return absorption + scattering; }  ///< /m
     /// /m, K_d of the sky term (CONVENTIONS.md); negative: the same as absorption.
     glm::dvec3 diffuse_attenuation{-1, -1, -1};
 };
@@ -88,15 +94,6 @@ struct Light {
 };
 
 enum class Shape { plane, box, sphere, mesh };
-
-/// world = translation * rotation(y, then x, then z; degrees in the file) * scale, applied to the shape at
-/// the origin.
-struct Transform {
-    glm::dvec3 position{0, 0, 0};
-    glm::dvec3 rotation{0, 0,
-                        0};  ///< rad about x, y, z; applied in the order y * x * z (heading, pitch, roll)
-    glm::dvec3 scale{1, 1, 1};
-};
 
 struct Material {
     glm::dvec3 color{0.5, 0.5, 0.5};  ///< diffuse albedo in [0, 1]
@@ -129,6 +126,8 @@ struct PhotonSplattingParameters {
 
 struct SlicedBeamsParameters {
     int sun_samples = 1;  ///< equal parts of a sun's disc, each traced by its middle and widened by its size
+    /// Directions of a sun's disc that each camera segment in a medium is tried with; 1: the middle alone.
+    int volume_sun_samples = 4;
     bool path_counts = true;  ///< whether light paths are counted: layers paths.count, paths.sign, fold
 };
 
@@ -138,8 +137,12 @@ struct ReferenceParameters {
     int most_rays = 1000;  ///< million a light; the reference ends there though the error is larger
 };
 
+/// Pixels for which light scattered by media is computed; at half the rest is interpolated.
+enum class VolumeResolution { full, half };
+
 struct Caustics {
     std::string method = "sliced_beams";
+    VolumeResolution volume_resolution = VolumeResolution::full;
     SlicedBeamsParameters sliced_beams;
     ReferenceParameters reference;
     PhotonSplattingParameters photon_splatting;
@@ -171,6 +174,7 @@ struct FrameState {
     std::optional<Water> water;
     std::vector<Light> lights;
     std::vector<Object> objects;
+    std::vector<Medium> media;  ///< beside the water itself
     Sky sky;
     Caustics caustics;
     Output output;

@@ -2,9 +2,16 @@
 #include <glm/glm.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "scene/frame_state.h"
-
 namespace dapple::scene {
+
+/// world = translation * rotation(y, then x, then z; degrees in the file) * scale, applied to the shape at
+/// the origin.
+struct Transform {
+    glm::dvec3 position{0, 0, 0};
+    glm::dvec3 rotation{0, 0,
+                        0};  ///< rad about x, y, z; applied in the order y * x * z (heading, pitch, roll)
+    glm::dvec3 scale{1, 1, 1};
+};
 
 /// translation * rotation(y) * rotation(x) * rotation(z) * scale; rotations are right-handed.
 inline glm::dmat4 world_from_object(const Transform& transform) {

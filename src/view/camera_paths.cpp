@@ -477,7 +477,7 @@ ReceiverLayer empty_layer(const scene::Clip& clip, LayerRequest request) {
 }  // namespace
 
 ReceiverLayer trace_layer(const scene::FrameScene& scene, const rays::RayScene& rays, LayerRequest request,
-                          LayerCounts& counts) {
+                          LayerCounts& counts, SegmentLayer*) {
     ReceiverLayer layer = empty_layer(scene.state.clip, request);
     const LayerTracer tracer(scene, rays, request, layer);
     std::vector<LayerCounts> parts(tracer.tiles());

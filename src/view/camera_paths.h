@@ -6,6 +6,7 @@
 #include "rays/ray_scene.h"
 #include "scene/frame_scene.h"
 #include "view/receiver_layer.h"
+#include "view/segment_layer.h"
 
 namespace dapple::view {
 
@@ -51,8 +52,9 @@ struct LayerCounts {
     std::size_t longest_chain_hits = 0;
 };
 
-/// The result has the same bits on any number of threads. `counts` are those of this layer.
+/// The result has the same bits on any number of threads. `counts` are those of this layer. `segments`, where
+/// given, becomes the pieces of the paths that lie in media that scatter.
 ReceiverLayer trace_layer(const scene::FrameScene& scene, const rays::RayScene& rays, LayerRequest request,
-                          LayerCounts& counts);
+                          LayerCounts& counts, SegmentLayer* segments = nullptr);
 
 }  // namespace dapple::view
