@@ -6,38 +6,22 @@
 #include <limits>
 
 #include "base/parallel.h"
+#include "media/media.h"
 #include "optics/optics.h"
 #include "view/camera.h"
-#include "view/camera_medium.h"
+#include "view/path_starts.h"
+#include "view/segment_recorder.h"
 #include "view/surface_point.h"
 
 namespace dapple::view {
 namespace {
 
-/// Pixels are traced in tiles, breadth first, so that packets hold neighbours: 4 x 2 pixels each.
+/// Pixels are traced in tiles, breadth first, so that packets of rays hold neighbours.
 constexpr int kTileSize = 16;
-constexpr int kPacketWidth = 4;
-constexpr int kPacketHeight = 2;
 
 /// A footprint is at most this many times as long as its beam is wide: nearer than a degree to grazing it
 /// says nothing of the pixel any more.
 constexpr double kLongestAspect = 64;
-
-/// A path on its way, in double; positions relative to the frame's origin.
-struct Path {
-    std::size_t pixel = 0;
-    glm::dvec3 origin{0};
-    glm::dvec3 direction{0};                                                  ///< unit
-    glm::dvec3 origin_du{0}, origin_dv{0}, direction_du{0}, direction_dv{0};  ///< by pixel x and y
-    glm::dvec3 throughput{1};
-    glm::dvec3 start{0};     ///< where rays are traced from: `origin`, lifted off the surface that was left
-    double pixel_width = 0;  ///< m, of the beam at the camera
-    double length = 0;       ///< m, of the way so far
-    int events = 0;
-    bool in_water = false;
-    bool split = false;
-    bool left_rest_plane = false;
-};
 
 /// The nearest thing on a path's way.
 struct Encounter {
@@ -56,19 +40,17 @@ bool is_finite(const glm::dvec3& v) {
 
 class LayerTracer {
 public:
+    /// `recorder` may be null; it has as many tiles as the tracer.
     LayerTracer(const scene::FrameScene& scene, const rays::RayScene& rays, LayerRequest request,
-                ReceiverLayer& layer);
+                ReceiverLayer& layer, SegmentRecorder* recorder);
 
-    std::size_t tiles() const {
-        return static_cast<std::size_t>(tiles_across_) * static_cast<std::size_t>(tiles_down_);
+    static std::size_t tiles(const ReceiverLayer& layer) {
+        return static_cast<std::size_t>((layer.width + kTileSize - 1) / kTileSize) *
+               static_cast<std::size_t>((layer.height + kTileSize - 1) / kTileSize);
     }
     void trace_tile(std::size_t tile, LayerCounts& counts) const;
 
 private:
-    std::vector<Path> start_paths(std::size_t tile) const;
-    void find_media(std::vector<Path>& paths) const;
-    Path start_path(int x, int y) const;
-    static void sink(Path& path);
     void find_encounters(const std::vector<Path>& paths, std::vector<Encounter>& encounters) const;
     bool meets_rest_plane(const Path& path, double nearest, double& distance) const;
 
@@ -81,6 +63,7 @@ private:
     void lift_off(Path& path, const glm::dvec3& normal) const;
     void absorb(Path& path, double distance) const;
     void note_depth(const Path& path, double distance) const;
+    void note_piece(const Path& path, double distance, bool in_water) const;
     void end_at_receiver(const Path& path, const rays::Hit& hit, const SurfacePoint& surface) const;
     void end_in_environment(const Path& path) const;
     bool wanted(const Path& path) const { return request_.branch == 0 || path.split; }
@@ -89,100 +72,33 @@ private:
     const rays::RayScene& rays_;
     LayerRequest request_;
     ReceiverLayer& layer_;
-    Camera camera_;
+    PathStarts starts_;
+    glm::dvec3 forward_;
     SurfaceGeometry geometry_;
-    glm::dvec2 offset_;
-    CameraMedium medium_;
     int tiles_across_;
-    int tiles_down_;
+    SegmentRecorder* recorder_;
 };
 
 LayerTracer::LayerTracer(const scene::FrameScene& scene, const rays::RayScene& rays, LayerRequest request,
-                         ReceiverLayer& layer)
+                         ReceiverLayer& layer, SegmentRecorder* recorder)
     : scene_(scene),
       rays_(rays),
       request_(request),
       layer_(layer),
-      camera_(scene.state.camera, scene.state.clip.width, scene.state.clip.height),
+      starts_(scene, rays, layer.width,
+              request.offset.value_or(Camera::sample_offset(request.sample, scene.state.clip.samples)) +
+                  glm::dvec2(request.window ? request.window->corner : glm::ivec2(0))),
+      forward_(Camera(scene.state.camera, scene.state.clip.width, scene.state.clip.height).forward()),
       geometry_(scene),
-      offset_(request.offset.value_or(Camera::sample_offset(request.sample, scene.state.clip.samples)) +
-              glm::dvec2(request.window ? request.window->corner : glm::ivec2(0))),
-      medium_(camera_medium(scene)),
       tiles_across_((layer.width + kTileSize - 1) / kTileSize),
-      tiles_down_((layer.height + kTileSize - 1) / kTileSize) {}
-
-Path LayerTracer::start_path(int x, int y) const {
-    Path path;
-    path.pixel =
-        static_cast<std::size_t>(y) * static_cast<std::size_t>(layer_.width) + static_cast<std::size_t>(x);
-    const glm::dvec2 place = glm::dvec2(x, y) + offset_;
-    camera_.ray(place, path.origin, path.direction);
-    path.origin -= scene_.origin;
-    path.start = path.origin;
-    camera_.ray_differentials(place, path.origin_du, path.origin_dv, path.direction_du, path.direction_dv);
-    path.pixel_width = length(path.origin_du);
-    path.in_water = medium_.in_water;
-    if (medium_.at_surface && scene_.state.camera.projection == scene::Projection::perspective) sink(path);
-    return path;
-}
-
-std::vector<Path> LayerTracer::start_paths(std::size_t tile) const {
-    const int left = static_cast<int>(tile % static_cast<std::size_t>(tiles_across_)) * kTileSize;
-    const int top = static_cast<int>(tile / static_cast<std::size_t>(tiles_across_)) * kTileSize;
-    std::vector<Path> paths;
-    paths.reserve(std::size_t{kTileSize} * kTileSize);
-    for (int block_y = top; block_y < top + kTileSize; block_y += kPacketHeight) {
-        for (int block_x = left; block_x < left + kTileSize; block_x += kPacketWidth) {
-            for (int y = block_y; y < std::min(block_y + kPacketHeight, layer_.height); ++y) {
-                for (int x = block_x; x < std::min(block_x + kPacketWidth, layer_.width); ++x) {
-                    paths.push_back(start_path(x, y));
-                }
-            }
-        }
-    }
-    return paths;
-}
-
-/// Moves the start of a path at the water's surface clearly under it. On the surface itself a ray may meet it
-/// or not, from either side.
-void LayerTracer::sink(Path& path) {
-    path.origin.y -= 2 * surface_margin(path.origin);
-    path.start = path.origin;
-}
-
-/// The paths of an orthographic camera start apart from each other, some perhaps in the water and some in the
-/// air: the rules of camera_in_water(), by rays to the surface.
-void LayerTracer::find_media(std::vector<Path>& paths) const {
-    std::vector<rays::Ray> rays(paths.size());
-    std::vector<rays::Hit> above(paths.size());
-    std::vector<rays::Hit> below(paths.size());
-    for (std::size_t i = 0; i < paths.size(); ++i) {
-        const double margin = surface_margin(paths[i].start);
-        rays[i].origin = glm::vec3(paths[i].start - glm::dvec3(0, margin, 0));
-        rays[i].direction = {0, 1, 0};
-    }
-    rays_.intersect_water(rays, above);
-    for (rays::Ray& ray : rays) ray.direction = {0, -1, 0};
-    rays_.intersect_water(rays, below);
-    const bool open = scene_.state.water->extent.kind == scene::ExtentKind::open_water;
-    for (std::size_t i = 0; i < paths.size(); ++i) {
-        const double margin = surface_margin(paths[i].start);
-        bool at_surface = above[i].distance <= 2 * margin;
-        paths[i].in_water = false;
-        if (above[i].primitive != rays::kNoHit) {
-            paths[i].in_water = above[i].normal.y > 0;
-        } else if (open && below[i].primitive == rays::kNoHit) {
-            const double height = paths[i].start.y + scene_.origin.y;
-            paths[i].in_water = height <= margin;
-            at_surface = std::abs(height) <= margin;
-        }
-        if (at_surface) sink(paths[i]);
-    }
-}
+      recorder_(recorder) {}
 
 void LayerTracer::trace_tile(std::size_t tile, LayerCounts& counts) const {
-    std::vector<Path> paths = start_paths(tile);
-    if (scene_.water && scene_.state.camera.projection == scene::Projection::orthographic) find_media(paths);
+    const auto across = static_cast<std::size_t>(tiles_across_);
+    const glm::ivec2 corner(static_cast<int>(tile % across) * kTileSize,
+                            static_cast<int>(tile / across) * kTileSize);
+    std::vector<Path> paths =
+        starts_.start(corner, glm::min(corner + kTileSize, glm::ivec2(layer_.width, layer_.height)));
     std::vector<Encounter> encounters;
     while (!paths.empty()) {
         find_encounters(paths, encounters);
@@ -237,6 +153,7 @@ bool LayerTracer::meets_rest_plane(const Path& path, double nearest, double& dis
 bool LayerTracer::advance(Path& path, const Encounter& encounter, LayerCounts& counts) const {
     switch (encounter.kind) {
         case Encounter::Kind::nothing:
+            note_piece(path, std::numeric_limits<double>::infinity(), path.in_water);
             end_in_environment(path);
             return false;
         case Encounter::Kind::water_mesh:
@@ -255,6 +172,7 @@ bool LayerTracer::advance(Path& path, const Encounter& encounter, LayerCounts& c
     }
     const SurfacePoint surface = geometry_.object_point(encounter.hit, path.origin, path.direction);
     note_depth(path, surface.distance);
+    note_piece(path, surface.distance, path.in_water);
     if (path.in_water) absorb(path, surface.distance);
     const scene::Material& material = scene_.state.objects[encounter.hit.object].material;
     if (material.mirror) return mirror(path, surface, material.color, counts);
@@ -287,6 +205,7 @@ bool LayerTracer::cross_water(Path& path, const SurfacePoint& surface, LayerCoun
     // The side that the path comes from is the triangle's to say: a path that entered the water through the
     // open side of a pool learns here that it is under water.
     const bool from_air = dot(path.direction, surface.geometric_normal) <= 0;
+    note_piece(path, surface.distance, !from_air);
     if (!from_air) absorb(path, surface.distance);
     if (!may_go_on(path, counts)) return false;
 
@@ -401,7 +320,16 @@ void LayerTracer::absorb(Path& path, double distance) const {
 
 void LayerTracer::note_depth(const Path& path, double distance) const {
     if (path.events > 0 || path.length > 0) return;
-    layer_.depth[path.pixel] = static_cast<float>(distance * dot(path.direction, camera_.forward()));
+    layer_.depth[path.pixel] = static_cast<float>(distance * dot(path.direction, forward_));
+}
+
+void LayerTracer::note_piece(const Path& path, double distance, bool in_water) const {
+    if (!recorder_ || !wanted(path)) return;
+    const std::size_t width = static_cast<std::size_t>(layer_.width);
+    const std::size_t tile = path.pixel / width / kTileSize * static_cast<std::size_t>(tiles_across_) +
+                             path.pixel % width / kTileSize;
+    recorder_->record(tile, {path.pixel, path.origin, path.direction, distance, in_water, path.throughput,
+                             path.origin_du, path.origin_dv, path.direction_du, path.direction_dv});
 }
 
 void LayerTracer::end_in_environment(const Path& path) const {
@@ -477,11 +405,14 @@ ReceiverLayer empty_layer(const scene::Clip& clip, LayerRequest request) {
 }  // namespace
 
 ReceiverLayer trace_layer(const scene::FrameScene& scene, const rays::RayScene& rays, LayerRequest request,
-                          LayerCounts& counts, SegmentLayer*) {
+                          LayerCounts& counts, SegmentLayer* segments) {
     ReceiverLayer layer = empty_layer(scene.state.clip, request);
-    const LayerTracer tracer(scene, rays, request, layer);
-    std::vector<LayerCounts> parts(tracer.tiles());
-    parallel_for(tracer.tiles(), 4, [&](std::size_t begin, std::size_t end) {
+    const std::size_t tiles = LayerTracer::tiles(layer);
+    const media::Media media(scene);
+    SegmentRecorder recorder(media, segments ? tiles : 0);
+    const LayerTracer tracer(scene, rays, request, layer, segments ? &recorder : nullptr);
+    std::vector<LayerCounts> parts(tiles);
+    parallel_for(tiles, 4, [&](std::size_t begin, std::size_t end) {
         for (std::size_t tile = begin; tile < end; ++tile) tracer.trace_tile(tile, parts[tile]);
     });
     counts = LayerCounts{};
@@ -490,6 +421,11 @@ ReceiverLayer trace_layer(const scene::FrameScene& scene, const rays::RayScene& 
         counts.dropped_splits += part.dropped_splits;
         counts.dropped_weight += part.dropped_weight;
         counts.longest_chain_hits += part.longest_chain_hits;
+    }
+    if (segments) {
+        recorder.write(layer.width, layer.height, *segments);
+        segments->sample = request.sample;
+        segments->branch = request.branch;
     }
     return layer;
 }
