@@ -43,4 +43,10 @@ NumberPattern find_number(std::string_view pattern) {
     return found;
 }
 
+std::string with_number(std::string text, const NumberPattern& place, std::int64_t number) {
+    std::string digits = std::to_string(number);
+    if (digits.size() < place.digits) digits.insert(0, place.digits - digits.size(), '0');
+    return text.replace(place.begin, place.length, digits);
+}
+
 }  // namespace dapple

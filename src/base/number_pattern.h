@@ -1,5 +1,7 @@
 #pragma once
 #include <cstddef>
+#include <cstdint>
+#include <string>
 #include <string_view>
 
 namespace dapple {
@@ -12,5 +14,8 @@ struct NumberPattern {
 };
 
 NumberPattern find_number(std::string_view pattern);
+
+/// The text with `number` in that place of it.
+std::string with_number(std::string text, const NumberPattern& place, std::int64_t number);
 
 }  // namespace dapple

@@ -32,6 +32,15 @@ struct PhaseFunction {
 /// Optical water types (Jerlov 1976), clear ocean to turbid coast: presets of absorption and scattering.
 enum class JerlovType { none, I, IA, IB, II, III, C1, C3, C5, C7, C9 };
 
+/// Absorption and scattering of a water, /m, red, green, blue.
+struct WaterCoefficients {
+    glm::dvec3 absorption{0};
+    glm::dvec3 scattering{0};
+};
+
+/// Of a water type, at 650, 550 and 450 nm. Type none: zeros. medium.cpp says where the numbers are from.
+WaterCoefficients jerlov_coefficients(JerlovType type);
+
 enum class MediumType {
     box,   ///< homogeneous
     grid,  ///< OpenVDB files
@@ -63,5 +72,10 @@ struct Medium {
     MissingGrid missing = MissingGrid::error;
     bool z_up = false;  ///< the file's z axis points up (turned so that it becomes y)
 };
+
+/// Number of the file of a grid that shows `frames` frames after the clip's first (also before it).
+std::int64_t file_number(const Medium& medium, std::int64_t frames);
+/// Path of that file: the medium's, with %04d, %d or #### (if its name has one) replaced by `number`.
+std::string file_path(const Medium& medium, std::int64_t number);
 
 }  // namespace dapple::scene

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "scene/medium_schema.h"
 #include "scene/schema_builder.h"
 
 namespace dapple::scene {
@@ -44,6 +45,14 @@ void derive_wave(void* object, const std::vector<std::string_view>& given) {
     if (wave_number == 0) return;
     wave.length = 2 * std::numbers::pi / wave_number;
     wave.heading = std::atan2(wave.wave_vector.y, wave.wave_vector.x);
+}
+
+void derive_water(void* object, const std::vector<std::string_view>& given) {
+    auto& water = *static_cast<Water*>(object);
+    if (water.jerlov == JerlovType::none) return;
+    const WaterCoefficients preset = jerlov_coefficients(water.jerlov);
+    if (!has(given, "absorption")) water.absorption = preset.absorption;
+    if (!has(given, "scattering")) water.scattering = preset.scattering;
 }
 
 const Structure& clip_schema() {
@@ -240,9 +249,17 @@ const Structure& water_schema() {
                 "dispersion", Dimension::number,
                 "index at 450 nm less that at 650 nm, for caustics: blue has half of it more, red half less")
                 .within(0, 0.2),
+            choice<&Water::jerlov>("jerlov",
+                                   {"none", "I", "IA", "IB", "II", "III", "1C", "3C", "5C", "7C", "9C"},
+                                   "optical water type, clear ocean to turbid coast, that absorption and "
+                                   "scattering are taken from where they are not given"),
             number<&Water::absorption>("absorption", Dimension::per_length, "red, green, blue")
                 .at_least(0)
                 .one_for_all(),
+            number<&Water::scattering>("scattering", Dimension::per_length, "red, green, blue")
+                .at_least(0)
+                .one_for_all(),
+            structure<&Water::phase>("phase", phase_schema(), "of the scattering; not given: isotropic"),
             number<&Water::diffuse_attenuation>(
                 "diffuse_attenuation", Dimension::per_length,
                 "K_d of the sky's light, red, green, blue; not given: as absorption")
@@ -252,7 +269,7 @@ const Structure& water_schema() {
         },
         "",
         {},
-        nullptr};
+        &derive_water};
     return table;
 }
 
@@ -396,6 +413,9 @@ const Structure& caustics_schema() {
         "caustics",
         {
             caustic_method(),
+            choice<&Caustics::volume_resolution>(
+                "volume_resolution", {"full", "half"},
+                "pixels for which light scattered by media is computed; half: every second, each way"),
             integral<splatting, &PhotonSplattingParameters::map_resolution>(
                 "map_resolution", FieldKind::integer, "photons along the longer side of the water's extent")
                 .within(1, kMost)
@@ -403,6 +423,11 @@ const Structure& caustics_schema() {
             integral<&Caustics::sliced_beams, &SlicedBeamsParameters::sun_samples>(
                 "sun_samples", FieldKind::integer,
                 "equal parts of a sun's disc, each traced by its middle and widened by its size")
+                .within(1, 1024)
+                .only_for({"sliced_beams"}),
+            integral<&Caustics::sliced_beams, &SlicedBeamsParameters::volume_sun_samples>(
+                "volume_sun_samples", FieldKind::integer,
+                "directions of a sun's disc that each camera segment in a medium is tried with")
                 .within(1, 1024)
                 .only_for({"sliced_beams"}),
             integral<&Caustics::sliced_beams, &SlicedBeamsParameters::path_counts>(
@@ -490,6 +515,7 @@ const Structure& frame_schema() {
             water_row(),
             list<&FrameState::lights>("lights", light_schema(), "suns, points and spots"),
             list<&FrameState::objects>("objects", object_schema(), "what catches the light"),
+            list<&FrameState::media>("media", medium_schema(), "smoke, fog: what dims and scatters light"),
             structure<&FrameState::sky>("sky", sky_schema(), "light from where nothing is"),
             structure<&FrameState::caustics>("caustics", caustics_schema(), "the method and its parameters"),
             structure<&FrameState::output>("output", output_schema(), "how the picture is graded"),

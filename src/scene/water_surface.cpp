@@ -16,11 +16,7 @@ std::int64_t file_number(const MeshSequence& sequence, double time) {
 }
 
 std::string file_path(const MeshSequence& sequence, std::int64_t number) {
-    const NumberPattern pattern = find_number(sequence.pattern);
-    std::string digits = std::to_string(number);
-    if (digits.size() < pattern.digits) digits.insert(0, pattern.digits - digits.size(), '0');
-    std::string path = sequence.pattern;
-    return path.replace(pattern.begin, pattern.length, digits);
+    return with_number(sequence.pattern, find_number(sequence.pattern), number);
 }
 
 }  // namespace dapple::scene

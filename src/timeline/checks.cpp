@@ -5,6 +5,7 @@
 #include <set>
 #include <string>
 
+#include "base/units.h"
 #include "timeline/key_path.h"
 
 namespace dapple::timeline {
@@ -25,9 +26,12 @@ public:
         for (std::size_t i = 0; i < state.lights.size(); ++i) check_light(state.lights[i], join("lights", i));
         for (std::size_t i = 0; i < state.objects.size(); ++i)
             check_object(state.objects[i], join("objects", i));
+        for (std::size_t i = 0; i < state.media.size(); ++i)
+            check_medium(state.media[i], state.water.has_value(), join("media", i));
         if (state.water) {
             check_surface(state.water->surface);
             check_dispersion(*state.water);
+            check_phase(state.water->phase, "water.phase");
         }
     }
 
@@ -61,6 +65,43 @@ private:
         const glm::dvec3& scale = object.transform.scale;
         if (object.shape == scene::Shape::sphere && (scale.x != scale.y || scale.x != scale.z))
             fault(join(path, "scale"), "a sphere stays a sphere; give one number");
+    }
+
+    void check_medium(const scene::Medium& medium, bool water, const std::string& path) {
+        check_phase(medium.phase, path + ".phase");
+        if (medium.side == scene::MediumSide::water && !water)
+            fault(path + ".side", "there is no water for the medium to be in");
+        if (medium.type != scene::MediumType::grid) return;
+        const bool pattern = scene::file_path(medium, 0) != scene::file_path(medium, 1);
+        const bool numbered =
+            program_.given.count(path + ".first_file") > 0 || program_.given.count(path + ".last_file") > 0;
+        if (medium.last_file < medium.first_file)
+            fault(path + ".last_file", "comes before first_file, " + std::to_string(medium.first_file));
+        else if (medium.last_file > medium.first_file && !pattern)
+            fault(path + ".file",
+                  "a sequence needs one place for the number in the file's name, such as smoke.%04d.vdb or "
+                  "smoke.####.vdb");
+        else if (pattern && !numbered)
+            fault(path + ".file", "has a place for a number; say which with first_file and last_file");
+    }
+
+    void check_phase(const scene::PhaseFunction& phase, const std::string& path) {
+        if (phase.type != scene::PhaseType::table) return;
+        const auto& samples = phase.samples;
+        const std::string table = path + ".table";
+        if (samples.size() < 2) {
+            fault(table, "a table needs two samples or more");
+            return;
+        }
+        bool light = false;
+        for (std::size_t i = 0; i < samples.size(); ++i) {
+            light |= samples[i].value > 0;
+            if (i > 0 && samples[i].angle <= samples[i - 1].angle)
+                fault(join(join(table, i), "angle"),
+                      "must be larger than the one before, " +
+                          format_quantity(samples[i - 1].angle, Dimension::angle));
+        }
+        if (!light) fault(table, "all values are 0; light must go somewhere");
     }
 
     void check_surface(const scene::WaterSurface& surface) {

@@ -92,15 +92,18 @@ std::string exact(const Field& field, void* object, const std::string& folder) {
     return {};
 }
 
+bool exists(const std::string& path) {
+    std::error_code ignored;  // unreadable folders are found when the file is loaded
+    return std::filesystem::exists(path, ignored);
+}
+
 /// The file that stands in for `number` where missing files are held over: the last one before it that
 /// exists.
-std::string held_file(const scene::MeshSequence& meshes, std::int64_t number) {
-    for (std::int64_t n = number; n >= meshes.first_file; --n) {
-        std::error_code ignored;  // unreadable folders are found when the file is loaded
-        if (std::string path = scene::file_path(meshes, n); std::filesystem::exists(path, ignored))
-            return path;
-    }
-    return scene::file_path(meshes, number);
+template <class Sequence>
+std::string held_file(const Sequence& sequence, std::int64_t number) {
+    for (std::int64_t n = number; n >= sequence.first_file; --n)
+        if (std::string path = scene::file_path(sequence, n); exists(path)) return path;
+    return scene::file_path(sequence, number);
 }
 
 void add_meshes(const Program& program, std::set<std::string>& files) {
@@ -114,6 +117,18 @@ void add_meshes(const Program& program, std::set<std::string>& files) {
         last = number;
         files.insert(meshes.missing == scene::MissingFrames::hold ? held_file(meshes, number)
                                                                   : scene::file_path(meshes, number));
+    }
+}
+
+void add_grids(const scene::Medium& medium, const scene::Clip& clip, std::set<std::string>& files) {
+    std::set<std::int64_t> numbers;
+    for (std::int64_t frame = clip.first_frame; frame <= clip.last_frame; ++frame)
+        numbers.insert(scene::file_number(medium, frame - clip.first_frame));
+    for (const std::int64_t number : numbers) {
+        const std::string path = medium.missing == scene::MissingGrid::hold
+                                     ? held_file(medium, number)
+                                     : scene::file_path(medium, number);
+        if (medium.missing != scene::MissingGrid::empty || exists(path)) files.insert(path);
     }
 }
 
@@ -135,14 +150,16 @@ std::string fingerprint(const Program& program, const std::string& folder) {
 std::vector<std::string> input_files(const Program& program) {
     scene::FrameState state = program.base;
     std::set<std::string> files;
-    visit_fields(state, [&](const Field& field, void* object, const std::string&) {
+    visit_fields(state, [&](const Field& field, void* object, const std::string& key_path) {
         if (field.kind == FieldKind::path) {
             const auto& path = *static_cast<const std::string*>(field.member(object));
-            if (!path.empty()) files.insert(path);
+            if (!path.empty() && key_path.rfind("media[", 0) != 0) files.insert(path);
         } else if (field.kind == FieldKind::path_pattern) {
             add_meshes(program, files);
         }
     });
+    for (const scene::Medium& medium : state.media)
+        if (medium.type == scene::MediumType::grid) add_grids(medium, state.clip, files);
     return {files.begin(), files.end()};
 }
 

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "base/number_pattern.h"
 
@@ -101,6 +102,18 @@ TEST(Schema, ChoicesFollowTheirEnumerations) {
     EXPECT_EQ(index(objects, "shape", "box"), static_cast<int>(Shape::box));
     EXPECT_EQ(index(objects, "shape", "sphere"), static_cast<int>(Shape::sphere));
     EXPECT_EQ(index(objects, "shape", "mesh"), static_cast<int>(Shape::mesh));
+    const Structure& media = *frame_schema().find("media", {})->structure;
+    const Structure& phase = *media.find("phase", {})->structure;
+    const Structure& caustics = *frame_schema().find("caustics", {})->structure;
+    EXPECT_EQ(index(media, "type", "grid"), static_cast<int>(MediumType::grid));
+    EXPECT_EQ(index(media, "side", "air"), static_cast<int>(MediumSide::air));
+    EXPECT_EQ(index(media, "side", "water"), static_cast<int>(MediumSide::water));
+    EXPECT_EQ(index(phase, "type", "henyey_greenstein"), static_cast<int>(PhaseType::henyey_greenstein));
+    EXPECT_EQ(index(phase, "type", "fournier_forand"), static_cast<int>(PhaseType::fournier_forand));
+    EXPECT_EQ(index(phase, "type", "table"), static_cast<int>(PhaseType::table));
+    EXPECT_EQ(index(water, "jerlov", "I"), static_cast<int>(JerlovType::I));
+    EXPECT_EQ(index(water, "jerlov", "9C"), static_cast<int>(JerlovType::C9));
+    EXPECT_EQ(index(caustics, "volume_resolution", "half"), static_cast<int>(VolumeResolution::half));
     EXPECT_EQ(index(surface, "type", "spectrum"), static_cast<int>(WaterSurfaceType::spectrum));
     EXPECT_EQ(index(surface, "type", "mesh_sequence"), static_cast<int>(WaterSurfaceType::mesh_sequence));
 }
@@ -147,6 +160,43 @@ TEST(MeshSequence, ShowsTheFileThatBeganLast) {
     EXPECT_EQ(file_path(files, 123), "/a/sea_123_x.obj");
     files.pattern = "%d.ply";
     EXPECT_EQ(file_path(files, 7), "7.ply");
+}
+
+TEST(Medium, ShowsTheFileThatBeganLast) {
+    Medium smoke;
+    smoke.file = "/take#2/smoke.%03d.vdb";
+    smoke.first_file = 5;
+    smoke.last_file = 7;
+    EXPECT_EQ(file_number(smoke, 0), 5);
+    EXPECT_EQ(file_number(smoke, 2), 7);
+    EXPECT_EQ(file_number(smoke, 3), 7);   // holds
+    EXPECT_EQ(file_number(smoke, -4), 5);  // before the clip
+    smoke.step = 1.0 / 3;
+    for (int frame = 0; frame < 9; ++frame) EXPECT_EQ(file_number(smoke, frame), 5 + frame / 3);
+    smoke.step = 1;
+    smoke.loop = true;
+    EXPECT_EQ(file_number(smoke, 3), 5);
+    EXPECT_EQ(file_number(smoke, 1000000), 6);  // 333333 * 3 + 1
+    EXPECT_EQ(file_number(smoke, -1), 7);
+    EXPECT_EQ(file_path(smoke, 5), "/take#2/smoke.005.vdb");
+    smoke.file = "/take#2/smoke.vdb";
+    EXPECT_EQ(file_path(smoke, 5), smoke.file);
+}
+
+TEST(Medium, JerlovTypesGetMoreTurbid) {
+    using enum JerlovType;
+    EXPECT_EQ(jerlov_coefficients(none).absorption, glm::dvec3(0));
+    EXPECT_EQ(jerlov_coefficients(none).scattering, glm::dvec3(0));
+    for (const auto& types : {std::vector{I, IA, IB, II, III}, std::vector{C1, C3, C5, C7, C9}}) {
+        WaterCoefficients clearer;
+        for (const JerlovType type : types) {
+            const WaterCoefficients water = jerlov_coefficients(type);
+            EXPECT_TRUE(glm::all(glm::greaterThanEqual(water.absorption, clearer.absorption)));
+            EXPECT_TRUE(glm::all(glm::greaterThan(water.scattering, clearer.scattering)));
+            EXPECT_GT(water.scattering.b, water.scattering.r);  // small particles scatter blue most
+            clearer = water;
+        }
+    }
 }
 
 TEST(MeshSequence, FindsThePlaceOfTheNumber) {

@@ -232,6 +232,105 @@ TEST(Timeline, DispersionMayBeKeyed) {
     EXPECT_EQ(parse("water: {surface: {type: waves}}").at(1).water->dispersion, 0);
 }
 
+constexpr const char* kMedia = R"(
+clip: {fps: 24, frames: 11-20}
+water: {surface: {type: waves}, scattering: 0.1 /m, phase: {type: fournier_forand, size_slope: 3.5}}
+media:
+  - {name: fog, type: box, side: air, density: 50 %, extinction: 2 /m, albedo: [0.5, 0.6, 0.7], size: [1 m, 2 m, 3 m],
+     position: [1 m, 0 m, 0 m], rotation: [0 deg, 90 deg, 0 deg], scale: 2,
+     phase: {type: two_lobe, anisotropy: 0.9, back_anisotropy: -0.1, forward_share: 80 %}}
+  - {name: smoke, type: grid, file: s.##.vdb, grid: soot, first_file: 3, last_file: 5, step: 0.5, loop: true,
+     missing: hold, z_up: true, density: {keys: [{frame: 11, value: 0}, {frame: 13, value: 1}]},
+     phase: {type: table, table: [{angle: 0 deg, value: 3}, {angle: 180 deg, value: 1}]}}
+caustics: {volume_resolution: half, volume_sun_samples: 7}
+)";
+
+TEST(Timeline, ReadsMedia) {
+    const scene::FrameState state = parse(kMedia).at(12);
+    EXPECT_EQ(state.water->scattering, glm::dvec3(0.1));
+    EXPECT_EQ(state.water->phase.type, scene::PhaseType::fournier_forand);
+    EXPECT_EQ(state.water->phase.size_slope, 3.5);
+    EXPECT_EQ(state.water->phase.particle_index, 1.1);
+    ASSERT_EQ(state.media.size(), 2U);
+    const scene::Medium& fog = state.media[0];
+    EXPECT_EQ(fog.type, scene::MediumType::box);
+    EXPECT_EQ(fog.side, scene::MediumSide::air);
+    EXPECT_EQ(fog.density, 0.5);
+    EXPECT_EQ(fog.extinction, glm::dvec3(2));
+    EXPECT_EQ(fog.albedo, glm::dvec3(0.5, 0.6, 0.7));
+    EXPECT_EQ(fog.size, glm::dvec3(1, 2, 3));
+    EXPECT_EQ(fog.transform.position, glm::dvec3(1, 0, 0));
+    EXPECT_EQ(fog.transform.rotation, glm::dvec3(0, 90 * kDegree, 0));
+    EXPECT_EQ(fog.transform.scale, glm::dvec3(2));
+    EXPECT_EQ(fog.phase.type, scene::PhaseType::two_lobe);
+    EXPECT_EQ(fog.phase.back_anisotropy, -0.1);
+    EXPECT_EQ(fog.phase.forward_share, 0.8);
+    const scene::Medium& smoke = state.media[1];
+    EXPECT_EQ(smoke.grid, "soot");
+    EXPECT_NEAR(smoke.density, 0.5, 1e-15);  // keyed
+    EXPECT_TRUE(smoke.loop && smoke.z_up);
+    EXPECT_EQ(smoke.missing, scene::MissingGrid::hold);
+    ASSERT_EQ(smoke.phase.samples.size(), 2U);
+    EXPECT_EQ(smoke.phase.samples[1].angle, std::numbers::pi);
+    EXPECT_EQ(smoke.phase.samples[0].value, 3);
+    EXPECT_EQ(state.caustics.volume_resolution, scene::VolumeResolution::half);
+    EXPECT_EQ(state.caustics.sliced_beams.volume_sun_samples, 7);
+}
+
+TEST(Timeline, JerlovTypesGiveWhatIsNotGiven) {
+    const auto water = [](const std::string& keys) {
+        return *parse("water: {surface: {type: waves}" + keys + "}").at(1).water;
+    };
+    const scene::WaterCoefficients coast = scene::jerlov_coefficients(scene::JerlovType::C3);
+    const scene::Water preset = water(", jerlov: 3C");
+    EXPECT_EQ(preset.absorption, coast.absorption);
+    EXPECT_EQ(preset.scattering, coast.scattering);
+    EXPECT_EQ(water(", jerlov: 3C, scattering: 0").scattering, glm::dvec3(0));
+    EXPECT_EQ(water(", jerlov: 3C, scattering: 0").absorption, coast.absorption);
+    EXPECT_EQ(water(", jerlov: 3C, absorption: 0.2").absorption, glm::dvec3(0.2));
+    EXPECT_EQ(water(", jerlov: none").absorption, scene::Water().absorption);
+    EXPECT_EQ(water("").scattering, glm::dvec3(0));
+}
+
+TEST(Timeline, GridSequencesListTheFilesOfTheirFrames) {
+    const auto path = [](int n) { return "/clips/s.0" + std::to_string(n) + ".vdb"; };
+    EXPECT_THAT(parse(kMedia).input_files(), ElementsAre(path(3), path(4), path(5)));
+    EXPECT_THAT(parse(kMedia, {"clip.frames=11-14"}).input_files(), ElementsAre(path(3), path(4)));
+    EXPECT_THAT(parse(kMedia, {"media.smoke.missing=empty"}).input_files(), ElementsAre());  // none is there
+    EXPECT_THAT(parse(kMedia, {"media=[{type: grid, file: a.vdb}]"}).input_files(),
+                ElementsAre("/clips/a.vdb"));
+}
+
+TEST(Fingerprint, SeesEveryChangeOfMedia) {
+    std::set<std::string> seen{parse(kMedia).fingerprint()};
+    for (const char* change : {"water.scattering=0.2",
+                               "water.jerlov=II",
+                               "water.phase.size_slope=3.6",
+                               "water.phase={type: isotropic}",
+                               "media=[]",
+                               "media.fog.side=water",
+                               "media.fog.density=1",
+                               "media.fog.extinction=1",
+                               "media.fog.albedo=1",
+                               "media.fog.size=[1, 1, 1]",
+                               "media.fog.position=[1, 1, 1]",
+                               "media.fog.phase.forward_share=0.7",
+                               "media.smoke.file=t.##.vdb",
+                               "media.smoke.grid=density",
+                               "media.smoke.first_file=4",
+                               "media.smoke.last_file=6",
+                               "media.smoke.step=1",
+                               "media.smoke.loop=false",
+                               "media.smoke.missing=empty",
+                               "media.smoke.z_up=false",
+                               "media.smoke.density=1",
+                               "media.smoke.phase.table[0].angle=1 deg",
+                               "media.smoke.phase.table[1].value=2",
+                               "caustics.volume_resolution=full",
+                               "caustics.volume_sun_samples=4"})
+        EXPECT_TRUE(seen.insert(parse(kMedia, {change}).fingerprint()).second) << change;
+}
+
 TEST(Fingerprint, DoesNotSeeHowThingsAreWritten) {
     const std::string a =
         parse(
