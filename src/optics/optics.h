@@ -18,6 +18,7 @@ using glm::length;
 using glm::max;
 using glm::min;
 using glm::normalize;
+using glm::pow;
 using glm::sqrt;
 using std::fma;
 // Each uses what stands before it.
@@ -25,6 +26,7 @@ using std::fma;
 #include "optics/refraction.h"
 #include "optics/ray_differential.h"
 #include "optics/spot_light.h"
+#include "optics/phase.h"
 // clang-format on
 }  // namespace f32
 
@@ -38,6 +40,7 @@ using glm::length;
 using glm::max;
 using glm::min;
 using glm::normalize;
+using glm::pow;
 using glm::sqrt;
 using std::fma;
 // Each uses what stands before it.
@@ -45,6 +48,7 @@ using std::fma;
 #include "optics/refraction.h"
 #include "optics/ray_differential.h"
 #include "optics/spot_light.h"
+#include "optics/phase.h"
 // clang-format on
 }  // namespace f64
 
