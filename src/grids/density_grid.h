@@ -8,7 +8,7 @@ namespace dapple::grids {
 
 /// Density on a sparse grid of voxels, immutable and shared. Voxel (i, j, k) is a point sample at index
 /// position (i, j, k); between samples density is trilinear, and 0 beyond one voxel around the active ones.
-/// Values are finite and not negative.
+/// Values are finite and not negative; voxels are active where they are positive.
 class DensityGrid {
 public:
     /// `values` are size.x * size.y * size.z densities, x fastest, the first at voxel `low`; zeros are not
@@ -28,7 +28,7 @@ public:
     std::size_t active_voxels() const { return active_voxels_; }
     std::size_t bytes() const { return bytes_; }
 
-    /// Reads single voxels, remembering where it was: one a thread.
+    /// Reads single voxels, remembering where it was: one a thread. The grid outlives it.
     class Reader {
     public:
         explicit Reader(const DensityGrid& grid);

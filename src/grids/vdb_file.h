@@ -16,6 +16,7 @@ struct VdbGridInfo {
     std::int64_t active_voxels = 0;
     glm::ivec3 low{0}, high{-1};  ///< of the active voxels, both included
     glm::dvec3 voxel_size{0};
+    std::uint64_t loading_bytes = 0;  ///< memory that reading it takes at most; 0: the file does not say
 };
 
 /// The grids of a file, in its order. Reading is done by a child process of limited memory: a file that is
