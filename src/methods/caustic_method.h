@@ -84,6 +84,9 @@ public:
     /// near end: light that came through one of the context's chains and is then scattered once on the
     /// segment. `radiance` has an entry a segment and holds 0. Called only where supports_volume() is not no.
     virtual void in_scatter(FrameContext&, const view::SegmentLayer&, std::span<glm::vec3>) {}
+    /// What it can say of the last layer of in_scatter(), a value a pixel ("S.variance.R"); asked for (and
+    /// written to the picture) for sample 0, branch 0 only.
+    virtual std::vector<DataLayer> in_scatter_data() { return {}; }
 };
 
 }  // namespace dapple::methods
