@@ -1,13 +1,40 @@
 #include "render/frame_scene_builder.h"
 
 #include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
 
+#include "grids/grid_sequence.h"
+#include "grids/vdb_file.h"
 #include "input/mesh_file.h"
 #include "ocean/water_surface.h"
 
 namespace dapple::render {
+namespace {
+
+/// A file and the grid of it.
+using GridPlace = std::pair<std::string, std::string>;
+
+std::optional<GridPlace> grid_place(const scene::FrameState& state, const scene::Medium& medium) {
+    if (medium.type != scene::MediumType::grid) return std::nullopt;
+    const std::optional<std::string> file = grids::shown_file(medium, state.frame - state.clip.first_frame);
+    return file ? std::optional(GridPlace{*file, medium.grid}) : std::nullopt;
+}
+
+std::uint64_t sum_that_fits(std::uint64_t a, std::uint64_t b) {
+    constexpr std::uint64_t most = std::numeric_limits<std::uint64_t>::max() / 2;
+    return a < most && b < most ? a + b : most;
+}
+
+}  // namespace
 
 struct FrameSceneBuilder::State {
+    std::uint64_t most_grid_bytes = std::uint64_t{4} << 30;
+    std::map<GridPlace, std::shared_ptr<const grids::DensityGrid>> grids;
+    std::map<GridPlace, std::uint64_t> loading_bytes;
     std::string water_key;
     std::unique_ptr<ocean::WaterSurface> surface;
     std::map<std::string, std::shared_ptr<const scene::TriangleMesh>> meshes;
@@ -25,6 +52,38 @@ struct FrameSceneBuilder::State {
         std::shared_ptr<const scene::TriangleMesh>& known = meshes[file];
         if (!known) known = std::make_shared<const scene::TriangleMesh>(input::read_mesh(file));
         return known;
+    }
+
+    std::vector<std::shared_ptr<const grids::DensityGrid>> medium_grids(const scene::FrameState& state) {
+        std::map<GridPlace, std::shared_ptr<const grids::DensityGrid>> kept;
+        for (const scene::Medium& medium : state.media) {
+            if (const auto place = grid_place(state, medium)) kept[*place] = grids[*place];
+        }
+        grids = std::move(kept);  // before more are loaded: what the frame does not show leaves memory
+        std::uint64_t taken = 0;
+        for (const auto& [place, grid] : grids) taken += grid ? grid->bytes() : 0;
+        for (auto& [place, grid] : grids) {
+            if (grid) continue;
+            grid = grids::read_vdb(place.first, place.second,
+                                   most_grid_bytes > taken ? most_grid_bytes - taken : 0);
+            taken += grid->bytes();
+        }
+        std::vector<std::shared_ptr<const grids::DensityGrid>> shown;
+        for (const scene::Medium& medium : state.media) {
+            const auto place = grid_place(state, medium);
+            shown.push_back(place && !grids[*place]->empty() ? grids[*place] : nullptr);
+        }
+        return shown;
+    }
+
+    std::uint64_t bytes_of(const GridPlace& place) {
+        const auto known = loading_bytes.find(place);
+        if (known != loading_bytes.end()) return known->second;
+        std::uint64_t bytes = 0;  // also of a grid that is not there, which loading will say
+        for (const grids::VdbGridInfo& info : grids::read_vdb_info(place.first)) {
+            if (info.name == place.second) bytes = info.loading_bytes;
+        }
+        return loading_bytes[place] = bytes;
     }
 };
 
@@ -44,7 +103,22 @@ scene::FrameScene FrameSceneBuilder::build(const scene::FrameState& state) {
         built.object_meshes.push_back(object.shape == scene::Shape::mesh ? state_->mesh(object.file)
                                                                          : nullptr);
     }
+    built.medium_grids = state_->medium_grids(state);
     return built;
+}
+
+void FrameSceneBuilder::limit_grids(std::uint64_t most_bytes) {
+    state_->most_grid_bytes = most_bytes;
+}
+
+std::uint64_t FrameSceneBuilder::grid_bytes(const scene::FrameState& state) {
+    std::map<GridPlace, std::uint64_t> places;
+    for (const scene::Medium& medium : state.media) {
+        if (const auto place = grid_place(state, medium)) places[*place] = state_->bytes_of(*place);
+    }
+    std::uint64_t sum = 0;
+    for (const auto& [place, bytes] : places) sum = sum_that_fits(sum, bytes);
+    return sum;
 }
 
 }  // namespace dapple::render
