@@ -1,0 +1,44 @@
+#pragma once
+#include <cstddef>
+#include <glm/glm.hpp>
+#include <memory>
+#include <vector>
+
+#include "media/grid_walk.h"
+#include "media/ray_box.h"
+#include "scene/frame_scene.h"
+
+namespace dapple::media {
+
+/// A bounded medium as a ray sees it: where it is and how dense, whatever the water cuts off.
+class Body {
+public:
+    /// `medium` of the scene, an index into FrameState::media; it must not be empty.
+    Body(const scene::FrameScene& scene, std::size_t medium);
+    /// Whether there is anything of that medium.
+    static bool is_empty(const scene::FrameScene& scene, std::size_t medium);
+
+    /// The part of a segment that lies in the body's box. Positions are m relative to FrameScene::origin.
+    Interval overlap(const glm::dvec3& origin, const glm::dvec3& direction, double length) const;
+    /// Integral of the density along an overlap, m.
+    double column(const glm::dvec3& origin, const glm::dvec3& direction, Interval overlap) const;
+    /// Appends the overlap's pieces where density may be more than 0.
+    void append_pieces(const glm::dvec3& origin, const glm::dvec3& direction, Interval overlap,
+                       std::vector<Piece>& pieces) const;
+    double density(const glm::dvec3& position) const;
+
+    /// Of the box, m relative to FrameScene::origin.
+    double least_y() const { return least_y_; }
+
+private:
+    Line local(const glm::dvec3& origin, const glm::dvec3& direction) const;
+
+    glm::dmat3 turn_;  ///< local = turn * position + shift; local is -1 to 1 in a box, the index of a grid
+    glm::dvec3 shift_;
+    glm::dvec3 low_, high_;  ///< of the box, local
+    double density_;         ///< of a box; factor of a grid's
+    double least_y_;
+    std::unique_ptr<GridWalk> grid_;
+};
+
+}  // namespace dapple::media

@@ -1,0 +1,202 @@
+#include "media/grid_walk.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace dapple::media {
+namespace {
+
+constexpr int kBlock = 8;                                  // cells along a block
+constexpr std::size_t kMostBlocks = std::size_t{1} << 24;  // a byte each
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// Density in one cell, trilinear between its corners.
+class CellDensity {
+public:
+    CellDensity(const Line& line, const glm::ivec3& cell, const float (&corners)[8])
+        : origin_(line.origin - glm::dvec3(cell)), direction_(line.direction), corners_(corners) {}
+
+    double at(double t) const {
+        const glm::dvec3 x = glm::clamp(origin_ + t * direction_, 0.0, 1.0);
+        const auto mix = [](double a, double b, double share) { return a + share * (b - a); };
+        const auto along_x = [&](int corner) {
+            return mix(static_cast<double>(corners_[corner]), static_cast<double>(corners_[corner + 1]), x.x);
+        };
+        return mix(mix(along_x(0), along_x(2), x.y), mix(along_x(4), along_x(6), x.y), x.z);
+    }
+
+private:
+    glm::dvec3 origin_, direction_;
+    const float (&corners_)[8];
+};
+
+bool all_zero(const float (&corners)[8]) {
+    return std::all_of(corners, corners + 8, [](float value) { return value == 0; });
+}
+
+}  // namespace
+
+class GridWalk::Lease {
+public:
+    explicit Lease(const GridWalk& walk) : walk_(walk) {
+        {
+            const std::scoped_lock lock(walk.idle_lock_);
+            if (!walk.idle_.empty()) {
+                reader_ = std::move(walk.idle_.back());
+                walk.idle_.pop_back();
+            }
+        }
+        if (!reader_) reader_ = std::make_unique<Reader>(*walk.grid_);
+    }
+    ~Lease() {
+        const std::scoped_lock lock(walk_.idle_lock_);
+        walk_.idle_.push_back(std::move(reader_));
+    }
+    Lease(const Lease&) = delete;
+    Lease& operator=(const Lease&) = delete;
+    Reader& reader() { return *reader_; }
+
+private:
+    const GridWalk& walk_;
+    std::unique_ptr<Reader> reader_;
+};
+
+GridWalk::GridWalk(std::shared_ptr<const grids::DensityGrid> grid)
+    : grid_(std::move(grid)), first_cell_(grid_->low() - 1), last_cell_(grid_->high()) {
+    find_blocks();
+}
+
+void GridWalk::find_blocks() {
+    blocks_.first = first_cell_ >> 3;
+    blocks_.count = (last_cell_ >> 3) - blocks_.first + 1;
+    const double many = static_cast<double>(blocks_.count.x) * static_cast<double>(blocks_.count.y) *
+                        static_cast<double>(blocks_.count.z);
+    if (many > static_cast<double>(kMostBlocks)) return;
+    blocks_.occupied.assign(static_cast<std::size_t>(many), 0);
+    Reader reader(*grid_);
+    const glm::ivec3 last = grid_->high() >> 3;
+    for (glm::ivec3 at = grid_->low() >> 3; at.z <= last.z; ++at.z) {
+        for (at.y = grid_->low().y >> 3; at.y <= last.y; ++at.y) {
+            for (at.x = grid_->low().x >> 3; at.x <= last.x; ++at.x) {
+                if (reader.block_is_empty(at * kBlock)) continue;
+                // The last cells of the blocks before reach into this one.
+                for (int corner = 0; corner < 8; ++corner) {
+                    const glm::ivec3 reaching = at - glm::ivec3(corner & 1, corner >> 1 & 1, corner >> 2);
+                    if (glm::all(glm::greaterThanEqual(reaching, blocks_.first)))
+                        blocks_.occupied[blocks_.index(reaching)] = 1;
+                }
+            }
+        }
+    }
+}
+
+bool GridWalk::holds_density(const glm::ivec3& block, Reader& reader) const {
+    if (!blocks_.occupied.empty()) return blocks_.occupied[blocks_.index(block)] != 0;
+    for (int corner = 0; corner < 8; ++corner) {
+        const glm::ivec3 reached = block + glm::ivec3(corner & 1, corner >> 1 & 1, corner >> 2);
+        if (!reader.block_is_empty(reached * kBlock)) return true;
+    }
+    return false;
+}
+
+/// Calls visit(cell, begin, end) for the cells that the part crosses, but those of empty blocks: Amanatides &
+/// Woo, A Fast Voxel Traversal Algorithm for Ray Tracing, 1987. A step changes one index by one, and where it
+/// is made follows from the index alone, so that cells join without gaps and roundings do not add up.
+template <class Visit>
+void GridWalk::walk(const Line& line, Interval part, Reader& reader, Visit&& visit) const {
+    if (part.empty()) return;
+    const glm::dvec3 inverse = 1.0 / line.direction;
+    glm::ivec3 step, cell, limit;
+    glm::dvec3 next;  // m: where the line leaves the cell, by axis
+    const auto place = [&](int axis, int plane) {
+        return line.direction[axis] == 0 ? kInfinity : (plane - line.origin[axis]) * inverse[axis];
+    };
+    const glm::dvec3 start = line.at(part.begin);
+    for (int axis = 0; axis < 3; ++axis) {
+        step[axis] = line.direction[axis] < 0 ? -1 : 1;
+        limit[axis] = step[axis] > 0 ? last_cell_[axis] + 1 : first_cell_[axis] - 1;
+        cell[axis] =
+            static_cast<int>(std::clamp(std::floor(start[axis]), static_cast<double>(first_cell_[axis]),
+                                        static_cast<double>(last_cell_[axis])));
+        next[axis] = place(axis, cell[axis] + (step[axis] > 0 ? 1 : 0));
+    }
+    const auto nearest_axis = [&] {
+        return next.x < next.y ? (next.x < next.z ? 0 : 2) : (next.y < next.z ? 1 : 2);
+    };
+    double t = part.begin;
+    glm::ivec3 block = cell >> 3;
+    bool occupied = holds_density(block, reader);
+    while (t < part.end) {
+        if (!occupied) {
+            // On to where the line leaves the block.
+            const glm::ivec3 low = block * kBlock, high = low + (kBlock - 1);
+            for (int axis = 0; axis < 3; ++axis)
+                next[axis] = place(axis, step[axis] > 0 ? high[axis] + 1 : low[axis]);
+            const int axis = nearest_axis();
+            t = std::max(t, next[axis]);
+            if (!(t < part.end)) return;
+            const glm::dvec3 there = line.at(t);
+            for (int other = 0; other < 3; ++other) {
+                cell[other] =
+                    static_cast<int>(std::clamp(std::floor(there[other]), static_cast<double>(low[other]),
+                                                static_cast<double>(high[other])));
+            }
+            cell[axis] = step[axis] > 0 ? high[axis] + 1 : low[axis] - 1;
+            if (step[axis] > 0 ? cell[axis] >= limit[axis] : cell[axis] <= limit[axis]) return;
+            for (int other = 0; other < 3; ++other)
+                next[other] = place(other, cell[other] + (step[other] > 0 ? 1 : 0));
+        } else {
+            const int axis = nearest_axis();
+            const double end = std::min(std::max(t, next[axis]), part.end);
+            if (end > t) visit(cell, t, end);
+            t = end;
+            cell[axis] += step[axis];
+            if (cell[axis] == limit[axis]) return;
+            next[axis] = place(axis, cell[axis] + (step[axis] > 0 ? 1 : 0));
+        }
+        const glm::ivec3 here = cell >> 3;
+        if (here != block) {
+            block = here;
+            occupied = holds_density(block, reader);
+        }
+    }
+}
+
+double GridWalk::column(const Line& line, Interval part) const {
+    Lease lease(*this);
+    Reader& reader = lease.reader();
+    double sum = 0, reached = part.begin, last = 0;
+    float corners[8];
+    walk(line, part, reader, [&](const glm::ivec3& cell, double begin, double end) {
+        reader.cell(cell, corners);
+        if (all_zero(corners)) return;
+        const CellDensity density(line, cell, corners);
+        const double first = reached == begin && last > 0 ? last : density.at(begin);
+        last = density.at(end);
+        reached = end;
+        // Along a line trilinear density is a cubic, which Simpson's rule integrates exactly.
+        sum += (end - begin) * (first + 4 * density.at(0.5 * (begin + end)) + last);
+    });
+    return sum / 6;
+}
+
+void GridWalk::append_pieces(const Line& line, Interval part, std::vector<Piece>& pieces) const {
+    Lease lease(*this);
+    Reader& reader = lease.reader();
+    float corners[8];
+    walk(line, part, reader, [&](const glm::ivec3& cell, double begin, double end) {
+        reader.cell(cell, corners);
+        if (all_zero(corners)) return;
+        const CellDensity density(line, cell, corners);
+        pieces.push_back({begin, end, density.at(begin), density.at(0.5 * (begin + end)), density.at(end)});
+    });
+}
+
+double GridWalk::density(const glm::dvec3& at) const {
+    Lease lease(*this);
+    return static_cast<double>(lease.reader().density(at));
+}
+
+}  // namespace dapple::media
