@@ -61,12 +61,13 @@ TEST(Reference, ResumesToTheSameBits) {
 TEST(Reference, ForgetsDamagedProgress) {
     const test::TemporaryFolder folder;
     reference::Progress progress;
-    progress[{0, 1}].start(64, 3);
-    progress[{0, 1}].add_pass({{1, 2, 3}, {4, 5, 6}, {7, 8, 9}});
+    progress[{reference::Quantity::irradiance, 0, 1}].start(64, 3);
+    progress[{reference::Quantity::irradiance, 0, 1}].add_pass({{1, 2, 3}, {4, 5, 6}, {7, 8, 9}});
     const std::string path = folder / "progress";
     reference::write_progress(path, "job", progress);
     ASSERT_EQ(reference::read_progress(path, "job").size(), 1u);
-    EXPECT_EQ((reference::read_progress(path, "job")[{0, 1}].mean), (progress[{0, 1}].mean));
+    EXPECT_EQ((reference::read_progress(path, "job")[{reference::Quantity::irradiance, 0, 1}].mean),
+              (progress[{reference::Quantity::irradiance, 0, 1}].mean));
     EXPECT_TRUE(reference::read_progress(path, "another job").empty());
     EXPECT_TRUE(reference::read_progress(folder / "none", "job").empty());
     std::vector<std::byte> bytes = read_whole_file(path);

@@ -42,8 +42,13 @@ SunRay sun_ray(const scene::Light& sun, double random_radius, double random_angl
 }  // namespace
 
 Lamp::Lamp(const scene::FrameScene& scene, const rays::RayScene& rays, const WaterRays& water,
-           std::uint32_t index)
-    : scene_(scene), rays_(rays), water_(water), light_(scene.state.lights[index]), index_(index) {
+           const OwnMedia& media, std::uint32_t index)
+    : scene_(scene),
+      rays_(rays),
+      water_(water),
+      media_(media),
+      light_(scene.state.lights[index]),
+      index_(index) {
     const TrueSurface& surface = water.surface();
     if (light_.type != scene::LightType::sun) {
         from_above_ = light_.position.y > -surface.highest();
@@ -159,8 +164,7 @@ std::optional<Incoming> Lamp::illuminate(const LightPass& pass, const WaterPoint
     incoming.side = facing > 0 ? 1 : -1;
     if (!(incoming.side > 0 ? from_above_ : from_below_)) return {};
     incoming.power = std::abs(facing) * across;
-    if (incoming.side < 0)
-        incoming.power = absorbed(incoming.power, scene_.state.water->absorption, incoming.distance);
+    incoming.random = branched(branched(pass.strata, pass.number), stratum << 8 | index_);
     if (!finite(incoming.power) || !(mean(incoming.power) > 0)) return {};
     return incoming;
 }
@@ -204,6 +208,19 @@ void Lamp::remove_hidden(std::vector<Incoming>& incoming) const {
     incoming.resize(kept);
 }
 
+/// By the media between the lamp and the water.
+void Lamp::attenuate(std::vector<Incoming>& incoming) const {
+    if (!media_.any_bounded(false) && !media_.any_bounded(true) && !from_below_) return;
+    MediaProbe probe(media_);
+    for (Incoming& light : incoming) {
+        RandomStream random{scene_.state.clip.seed, static_cast<std::uint64_t>(scene_.state.frame),
+                            light.random};
+        light.power *= probe.transmittance(light.point.position, -light.direction, light.distance,
+                                           light.side < 0, random);
+    }
+    std::erase_if(incoming, [](const Incoming& light) { return !(mean(light.power) > 0); });
+}
+
 std::vector<Incoming> Lamp::shine(const LightPass& pass, std::size_t begin, std::size_t end) const {
     const std::vector<WaterPoint> points = water_.surface().is_height_field()
                                                ? sample_height_field(pass, begin, end)
@@ -214,6 +231,7 @@ std::vector<Incoming> Lamp::shine(const LightPass& pass, std::size_t begin, std:
         if (const auto lit = illuminate(pass, points[i], begin + i)) incoming.push_back(*lit);
     }
     remove_hidden(incoming);
+    attenuate(incoming);
     return incoming;
 }
 

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "methods/reference/own_media.h"
 #include "methods/reference/water_rays.h"
 #include "rays/ray_scene.h"
 #include "scene/frame_scene.h"
@@ -27,10 +28,11 @@ struct WaterPoint {
 /// Light that has come from a lamp to a point of the water.
 struct Incoming {
     WaterPoint point;
-    glm::dvec3 direction{0};  ///< unit
-    glm::dvec3 power{0};      ///< W on the point's area
-    double side = 1;          ///< 1: from the air; -1: from the water
-    double distance = 0;      ///< m from the lamp; infinite for a sun
+    glm::dvec3 direction{0};   ///< unit
+    glm::dvec3 power{0};       ///< W on the point's area
+    double side = 1;           ///< 1: from the air; -1: from the water
+    double distance = 0;       ///< m from the lamp; infinite for a sun
+    std::uint64_t random = 0;  ///< index of its random numbers
 };
 
 /// One light and how it falls on the water.
@@ -38,7 +40,7 @@ class Lamp {
 public:
     /// All arguments outlive the lamp. `index` into FrameState::lights.
     Lamp(const scene::FrameScene& scene, const rays::RayScene& rays, const WaterRays& water,
-         std::uint32_t index);
+         const OwnMedia& media, std::uint32_t index);
 
     /// Radians above the horizon (below, for a lamp in the water) from which the light comes at least.
     double lowest_elevation() const;
@@ -62,10 +64,12 @@ private:
     std::optional<Incoming> illuminate(const LightPass& pass, const WaterPoint& point,
                                        std::size_t stratum) const;
     void remove_hidden(std::vector<Incoming>& incoming) const;
+    void attenuate(std::vector<Incoming>& incoming) const;
 
     const scene::FrameScene& scene_;
     const rays::RayScene& rays_;
     const WaterRays& water_;
+    const OwnMedia& media_;
     const scene::Light& light_;
     std::uint32_t index_;
     bool from_above_ = true, from_below_ = false;  ///< sides of the water that it may light

@@ -1,7 +1,5 @@
 #include "methods/reference/layer_estimate.h"
 
-#include <cmath>
-
 #include "view/camera.h"
 #include "view/camera_paths.h"
 
@@ -36,37 +34,6 @@ LayerCells layer_cells(const scene::FrameScene& scene, const rays::RayScene& ray
     }
     result.cells = DepositCells(std::move(ends), charts.charts(), charts.digits());
     return result;
-}
-
-void RoundEstimate::start(std::uint64_t strata_a_pass, std::size_t pixels) {
-    strata = strata_a_pass;
-    passes = 0;
-    mean.assign(pixels, glm::dvec3(0));
-    deviation.assign(pixels, glm::dvec3(0));
-}
-
-void RoundEstimate::add_pass(const std::vector<glm::dvec3>& irradiance) {
-    ++passes;
-    for (std::size_t i = 0; i < mean.size(); ++i) {
-        const glm::dvec3 before = irradiance[i] - mean[i];
-        mean[i] += before / static_cast<double>(passes);
-        deviation[i] += before * (irradiance[i] - mean[i]);
-    }
-}
-
-glm::dvec3 RoundEstimate::variance(std::size_t pixel) const {
-    return deviation[pixel] / static_cast<double>((passes - 1) * passes);
-}
-
-double RoundEstimate::relative_error(const std::vector<std::uint16_t>& paths) const {
-    double error = 0, sum = 0;
-    for (std::size_t i = 0; i < mean.size(); ++i) {
-        if (paths[i] == 0) continue;
-        const glm::dvec3 standard_error = glm::sqrt(variance(i));
-        error += standard_error.x + standard_error.y + standard_error.z;
-        sum += mean[i].x + mean[i].y + mean[i].z;
-    }
-    return sum > 0 ? error / sum : 0;
 }
 
 }  // namespace dapple::reference

@@ -19,16 +19,24 @@ constexpr double kLeastShare = 1e-4;
 LightTracer::LightTracer(const scene::FrameScene& scene, const rays::RayScene& rays,
                          const std::vector<light::Chain>& chains, const ReceiverCharts& charts,
                          ReferenceOptions options)
-    : scene_(scene), rays_(rays), charts_(charts), options_(options), water_(scene), geometry_(scene) {
+    : scene_(scene),
+      rays_(rays),
+      charts_(charts),
+      options_(options),
+      media_(scene),
+      water_(scene),
+      geometry_(scene) {
     for (std::uint32_t i = 0; i < scene.state.lights.size(); ++i) {
-        LitBy by{Lamp(scene, rays, water_, i)};
+        LitBy by{Lamp(scene, rays, water_, media_, i)};
         for (const light::Chain& chain : chains) {
             if (chain.light != static_cast<int>(i)) continue;
             (chain.event == light::Event::transmission ? by.transmission : by.reflection) = true;
         }
         if (by.transmission || by.reflection) lights_.push_back(by);
     }
-    if (meets_water_again()) water_.build();
+    // Where the eye sees what scatters, waves may come between.
+    const bool scatters = media_.scatters(false) || media_.scatters(true);
+    if (meets_water_again() || (scatters && water_.surface().highest() > 0)) water_.build();
 }
 
 /// Whether some ray may meet the water once more, from bounds of the slope: a ray that leaves a height field
@@ -79,6 +87,7 @@ void LightTracer::add_branches(const LightRay& from, const glm::dvec3& position,
         ray.direction = direction;
         ray.clear = water_.built() ? water_.clear_of_water(position, direction, geometric) : 0;
         ray.in_water = in_water;
+        ray.random = branched(from.random, in_water ? 1 : 0);
         next.push_back(ray);
     };
     if (refract) add(parts.transmittance, parts.refracted, from_air);
@@ -90,6 +99,7 @@ void LightTracer::meet_water(const LitBy& by, const Incoming& incoming, std::vec
     LightRay ray;
     ray.direction = incoming.direction;
     ray.events = 1;
+    ray.random = incoming.random;
     const auto add = [&](const glm::dvec3& power, double index) {
         ray.power = power;
         ray.index = index;
@@ -106,11 +116,12 @@ void LightTracer::meet_water(const LitBy& by, const Incoming& incoming, std::vec
     for (int channel = 0; channel < 3; ++channel) {
         glm::dvec3 power(0);
         power[channel] = incoming.power[channel];
+        ray.random = branched(incoming.random, static_cast<std::uint64_t>(2 + channel));
         add(power, water.refractive_index + 0.5 * (channel - 1) * water.dispersion);
     }
 }
 
-void LightTracer::follow(std::vector<LightRay>& rays, std::vector<Arrival>& arrivals) const {
+void LightTracer::follow(std::vector<LightRay>& rays, Harvest& harvest) const {
     std::vector<rays::Ray> traced;
     std::vector<rays::Hit> objects, water, water_hits;
     std::vector<std::size_t> tested;
@@ -140,22 +151,35 @@ void LightTracer::follow(std::vector<LightRay>& rays, std::vector<Arrival>& arri
         next.clear();
         for (std::size_t i = 0; i < rays.size(); ++i) {
             if (water[i].primitive != rays::kNoHit)
-                cross_again(rays[i], water[i], next);
+                cross_again(rays[i], water[i], next, harvest);
             else if (objects[i].primitive != rays::kNoHit)
-                arrive(rays[i], objects[i], next, arrivals);
+                arrive(rays[i], objects[i], next, harvest);
+            else
+                go(rays[i], std::numeric_limits<double>::infinity(), harvest);
         }
         rays.swap(next);
     }
 }
 
+/// To the end of its way, which is noted.
+void LightTracer::go(LightRay& ray, double distance, Harvest& harvest) const {
+    distance = std::max(0.0, distance);
+    if (harvest.ways != nullptr && finite(ray.power))
+        harvest.ways->push_back(
+            {ray.position, ray.direction, distance, ray.power, ray.in_water, branched(ray.random, 3)});
+    if (std::isinf(distance)) return;
+    RandomStream random{scene_.state.clip.seed, static_cast<std::uint64_t>(scene_.state.frame), ray.random};
+    ray.power *= harvest.probe.transmittance(ray.position, ray.direction, distance, ray.in_water, random);
+}
+
 void LightTracer::arrive(LightRay ray, const rays::Hit& hit, std::vector<LightRay>& next,
-                         std::vector<Arrival>& arrivals) const {
+                         Harvest& harvest) const {
     const view::SurfacePoint point = geometry_.object_point(hit, ray.position, ray.direction);
-    if (ray.in_water) ray.power = absorbed(ray.power, scene_.state.water->absorption, point.distance);
+    go(ray, point.distance, harvest);
     const scene::Material& material = scene_.state.objects[hit.object].material;
     if (!material.mirror) {
         const ChartPlace place = charts_.place(hit.object, hit.primitive, point.position, -ray.direction);
-        if (place.density > 0 && finite(ray.power)) arrivals.push_back({place, ray.power});
+        if (place.density > 0 && finite(ray.power)) harvest.arrivals.push_back({place, ray.power});
         return;
     }
     if (!options_.mirrors || ray.events == kMostEvents) return;
@@ -170,27 +194,30 @@ void LightTracer::arrive(LightRay ray, const rays::Hit& hit, std::vector<LightRa
     ray.clear = 0;
     ray.power *= material.color;
     ray.left_water = false;
+    ray.random = branched(ray.random, 2);
     ++ray.events;
     if (mean(ray.power) > ray.least_power) next.push_back(ray);
 }
 
-void LightTracer::cross_again(LightRay ray, const rays::Hit& hit, std::vector<LightRay>& next) const {
-    if (!options_.second_crossings || ray.events == kMostEvents) return;
+void LightTracer::cross_again(LightRay ray, const rays::Hit& hit, std::vector<LightRay>& next,
+                              Harvest& harvest) const {
     const WaterCrossing crossing = water_.crossing(ray.position, ray.direction, hit);
-    if (ray.in_water) ray.power = absorbed(ray.power, scene_.state.water->absorption, crossing.distance);
+    go(ray, crossing.distance, harvest);
+    if (!options_.second_crossings || ray.events == kMostEvents) return;
     ++ray.events;
     add_branches(ray, crossing.position, crossing.geometric_normal, crossing.shading_normal, true, true,
                  next);
 }
 
 void LightTracer::trace(const LightPass& pass, std::size_t light, std::size_t begin, std::size_t end,
-                        std::vector<Arrival>& arrivals) const {
+                        std::vector<Arrival>& arrivals, std::vector<LightWay>* ways) const {
     const LitBy& by = lights_[light];
     const std::vector<Incoming> incoming = by.lamp.shine(pass, begin, end);
     std::vector<LightRay> rays;
     rays.reserve(2 * incoming.size());
     for (const Incoming& lit : incoming) meet_water(by, lit, rays);
-    follow(rays, arrivals);
+    Harvest harvest{arrivals, ways, MediaProbe(media_)};
+    follow(rays, harvest);
 }
 
 }  // namespace dapple::reference

@@ -7,6 +7,7 @@
 
 #include "light/beam_mesh.h"
 #include "methods/reference/lamp.h"
+#include "methods/reference/own_media.h"
 #include "methods/reference/receiver_charts.h"
 #include "methods/reference/water_rays.h"
 #include "rays/ray_scene.h"
@@ -28,6 +29,16 @@ struct Arrival {
     glm::dvec3 power{0};  ///< W a channel
 };
 
+/// A straight way of light after its first event at the water, to the next or to its end.
+struct LightWay {
+    glm::dvec3 position{0};   ///< m, relative to the origin
+    glm::dvec3 direction{0};  ///< unit
+    double length = 0;        ///< m; infinite where it meets nothing
+    glm::dvec3 power{0};      ///< W a channel, where it begins
+    bool in_water = false;
+    std::uint64_t random = 0;  ///< index for random numbers
+};
+
 /// Follows light from the lights through one event at the water and any chain of specular events after it to
 /// diffuse surfaces: brute force, in double, with Embree to say which surface is next.
 class LightTracer {
@@ -39,13 +50,17 @@ public:
                 ReferenceOptions options);
     LightTracer(const LightTracer&) = delete;
 
+    const OwnMedia& media() const { return media_; }
+    const WaterRays& water() const { return water_; }
+
     /// Lights that have a chain and shine on the water.
     std::size_t lights() const { return lights_.size(); }
     /// Strata of a pass, for each light.
     std::size_t strata(const LightPass& pass) const;
-    /// Traces strata [begin, end) of one light and appends what arrives, in a fixed order. Thread-safe.
+    /// Traces strata [begin, end) of one light and appends what arrives, in a fixed order, and, where `ways`
+    /// is given, the ways that it took. Thread-safe.
     void trace(const LightPass& pass, std::size_t light, std::size_t begin, std::size_t end,
-               std::vector<Arrival>& arrivals) const;
+               std::vector<Arrival>& arrivals, std::vector<LightWay>* ways = nullptr) const;
 
 private:
     struct LitBy {
@@ -62,14 +77,21 @@ private:
         double index = 1;         ///< of the water, for this colour
         int events = 0;
         bool in_water = false;
-        bool left_water = true;  ///< it starts on the water's surface
+        bool left_water = true;    ///< it starts on the water's surface
+        std::uint64_t random = 0;  ///< index of its random numbers
+    };
+    /// What a tile of strata gives.
+    struct Harvest {
+        std::vector<Arrival>& arrivals;
+        std::vector<LightWay>* ways;
+        MediaProbe probe;
     };
     bool meets_water_again() const;
     void meet_water(const LitBy& by, const Incoming& incoming, std::vector<LightRay>& rays) const;
-    void follow(std::vector<LightRay>& rays, std::vector<Arrival>& arrivals) const;
-    void arrive(LightRay ray, const rays::Hit& hit, std::vector<LightRay>& next,
-                std::vector<Arrival>& arrivals) const;
-    void cross_again(LightRay ray, const rays::Hit& hit, std::vector<LightRay>& next) const;
+    void follow(std::vector<LightRay>& rays, Harvest& harvest) const;
+    void go(LightRay& ray, double distance, Harvest& harvest) const;
+    void arrive(LightRay ray, const rays::Hit& hit, std::vector<LightRay>& next, Harvest& harvest) const;
+    void cross_again(LightRay ray, const rays::Hit& hit, std::vector<LightRay>& next, Harvest& harvest) const;
     void add_branches(const LightRay& from, const glm::dvec3& position, const glm::dvec3& geometric_normal,
                       const glm::dvec3& shading_normal, bool refract, bool reflect,
                       std::vector<LightRay>& next) const;
@@ -78,6 +100,7 @@ private:
     const rays::RayScene& rays_;
     const ReceiverCharts& charts_;
     ReferenceOptions options_;
+    OwnMedia media_;
     WaterRays water_;
     view::SurfaceGeometry geometry_;
     std::vector<LitBy> lights_;

@@ -35,11 +35,6 @@ inline Split split(const glm::dvec3& incident, const glm::dvec3& normal, double 
     return result;
 }
 
-/// Power after `distance` m of water; `absorption` is per m and channel.
-inline glm::dvec3 absorbed(const glm::dvec3& power, const glm::dvec3& absorption, double distance) {
-    return absorption == glm::dvec3(0) ? power : power * glm::exp(-distance * absorption);
-}
-
 inline double mean(const glm::dvec3& color) {
     return (color.x + color.y + color.z) / 3;
 }

@@ -14,7 +14,7 @@ namespace dapple::reference {
 namespace {
 
 /// Changes whenever the meaning of the file, or of the passes that it counts, does.
-constexpr char kHeader[] = "dapple reference progress 1\n";
+constexpr char kHeader[] = "dapple reference progress 2\n";
 constexpr std::size_t kHashBytes = 32;
 
 class Writer {
@@ -81,6 +81,7 @@ Progress read_progress(const std::string& path, const std::string& job) {
     Reader reader(body.subspan(head.size()));
     Progress progress;
     while (reader.good && reader.left() > 0) {
+        const auto quantity = reader.get<Quantity>();
         const auto sample = reader.get<int>();
         const auto branch = reader.get<int>();
         RoundEstimate estimate;
@@ -94,7 +95,7 @@ Progress read_progress(const std::string& path, const std::string& job) {
         estimate.deviation.resize(pixels);
         reader.get_into(std::span(estimate.mean));
         reader.get_into(std::span(estimate.deviation));
-        progress[{sample, branch}] = std::move(estimate);
+        progress[{quantity, sample, branch}] = std::move(estimate);
     }
     return reader.good ? progress : Progress{};
 }
@@ -104,8 +105,9 @@ void write_progress(const std::string& path, const std::string& job, const Progr
     const std::string head = kHeader + content_hash(job);
     writer.put_bytes(std::as_bytes(std::span(head)));
     for (const auto& [layer, estimate] : progress) {
-        writer.put(layer.first);
-        writer.put(layer.second);
+        writer.put(std::get<0>(layer));
+        writer.put(std::get<1>(layer));
+        writer.put(std::get<2>(layer));
         writer.put(estimate.strata);
         writer.put(estimate.passes);
         writer.put(estimate.rays);

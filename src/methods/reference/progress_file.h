@@ -3,14 +3,16 @@
 #include <cstdint>
 #include <map>
 #include <string>
-#include <utility>
+#include <tuple>
 
-#include "methods/reference/layer_estimate.h"
+#include "methods/reference/round_estimate.h"
 
 namespace dapple::reference {
 
-/// Estimates by (sample, branch) of their layer.
-using Progress = std::map<std::pair<int, int>, RoundEstimate>;
+enum class Quantity : int { irradiance, in_scatter };
+
+/// Estimates by (quantity, sample, branch) of their layer.
+using Progress = std::map<std::tuple<Quantity, int, int>, RoundEstimate>;
 
 /// Reads what `write_progress` wrote for the same `job`; nothing where there is no such file, or it is
 /// damaged, of another version or of another job: work is then done again.

@@ -5,9 +5,9 @@
 #include <optional>
 #include <sstream>
 
-#include "base/error.h"
+#include "methods/reference/camera_segments.h"
 #include "methods/reference/light_pass.h"
-#include "methods/reference/progress_file.h"
+#include "methods/reference/reference_state.h"
 
 namespace dapple::methods {
 
@@ -16,9 +16,6 @@ using reference::LightPass;
 using reference::RoundEstimate;
 
 namespace {
-
-/// Seconds between two writes of the checkpoint.
-constexpr double kSavePeriod = 20;
 
 /// What the bits of the estimates depend on beside the state itself, which the file's name stands for.
 std::string job_text(const FrameContext& context, reference::ReferenceOptions options) {
@@ -31,10 +28,6 @@ std::string job_text(const FrameContext& context, reference::ReferenceOptions op
     for (const light::Chain& chain : context.chains)
         text << ' ' << chain.light << ' ' << static_cast<int>(chain.event);
     return text.str();
-}
-
-void count_most(FrameStats& stats, const char* name, double value) {
-    stats.count(name, std::max(0.0, value - stats.counted(name)));
 }
 
 LayerResult result_of(const RoundEstimate& estimate, const LayerCells& layer, bool with_data) {
@@ -57,22 +50,6 @@ LayerResult result_of(const RoundEstimate& estimate, const LayerCells& layer, bo
 }
 
 }  // namespace
-
-struct Reference::State {
-    State(FrameContext& context, reference::ReferenceOptions options)
-        : charts(context.scene), tracer(context.scene, context.rays, context.chains, charts, options) {}
-
-    reference::ReceiverCharts charts;
-    reference::LightTracer tracer;
-    std::string job;
-    reference::Progress progress;  ///< of all layers of the frame
-    double saved_at = 0;           ///< s
-
-    void save(const Checkpoint& checkpoint) {
-        if (!checkpoint.file.empty()) reference::write_progress(checkpoint.file, job, progress);
-        saved_at = wall_seconds();
-    }
-};
 
 Reference::Reference(reference::ReferenceOptions options) : options_(options) {}
 Reference::~Reference() = default;
@@ -105,28 +82,6 @@ void Reference::begin(FrameContext& context) {
     state_->saved_at = wall_seconds();
 }
 
-namespace {
-
-/// Ends the estimate or starts its next round, after a whole one.
-void end_round(RoundEstimate& estimate, const LayerCells& layer, std::uint64_t rays_a_pass,
-               const scene::ReferenceParameters& parameters) {
-    estimate.rays += Reference::kPasses * rays_a_pass;
-    const double error = estimate.relative_error(layer.paths);
-    const double most = 1e6 * parameters.most_rays;
-    const double left =
-        std::floor((most - static_cast<double>(estimate.rays)) / static_cast<double>(Reference::kPasses));
-    const auto strata = static_cast<double>(estimate.strata);
-    // Errors fall with a power of the strata between 1/2 and 3/4. Doublings, so that layers that need about
-    // the same share their passes.
-    const double wanted = std::pow(error / parameters.standard_error, 1.5);
-    const double next =
-        std::min(left, strata * std::exp2(std::clamp(std::ceil(std::log2(wanted)), 1.0, 6.0)));
-    estimate.done = error <= parameters.standard_error || next < 1.5 * strata;
-    if (!estimate.done) estimate.start(static_cast<std::uint64_t>(next), layer.paths.size());
-}
-
-}  // namespace
-
 void Reference::irradiance(FrameContext& context, std::span<const view::ReceiverLayer> layers,
                            std::span<LayerResult> results) {
     State& state = *state_;
@@ -135,12 +90,10 @@ void Reference::irradiance(FrameContext& context, std::span<const view::Receiver
     {
         const ScopedPass pass(context.stats, "reference camera paths");
         for (const view::ReceiverLayer& layer : layers) {
-            if (context.checkpoint.stop()) {
-                state.save(context.checkpoint);
-                throw Error(ExitCode::interrupted, "interrupted");
-            }
+            if (context.checkpoint.stop()) state.interrupt(context.checkpoint);
             cells.push_back(reference::layer_cells(context.scene, context.rays, state.charts, layer));
-            RoundEstimate& estimate = state.progress[{layer.sample, layer.branch}];
+            RoundEstimate& estimate =
+                state.progress[{reference::Quantity::irradiance, layer.sample, layer.branch}];
             if (estimate.mean.size() != layer.pixels()) {
                 estimate = {};
                 estimate.start(kFirstStrata, layer.pixels());
@@ -168,25 +121,23 @@ void Reference::irradiance(FrameContext& context, std::span<const view::Receiver
             served_cells.push_back(&cells[l]);
         }
         const LightPass light_pass{next->second, static_cast<std::size_t>(next->first)};
-        if (!reference::run_pass(state.tracer, light_pass, served_cells, context.checkpoint.stop,
-                                 irradiance)) {
-            state.save(context.checkpoint);
-            throw Error(ExitCode::interrupted, "interrupted");
-        }
+        if (!reference::run_pass(state.tracer, light_pass, served_cells, context.checkpoint.stop, irradiance))
+            state.interrupt(context.checkpoint);
         const std::size_t rays = state.tracer.strata(light_pass);
         context.stats.count("reference passes", 1);
         context.stats.count("reference rays", static_cast<double>(rays * state.tracer.lights()));
         for (std::size_t i = 0; i < served.size(); ++i) {
             RoundEstimate& estimate = *estimates[served[i]];
             estimate.add_pass(irradiance[i]);
-            if (estimate.passes == kPasses)
-                end_round(estimate, cells[served[i]], rays, context.scene.state.caustics.reference);
+            if (estimate.passes == reference::kPasses)
+                estimate.end_round(0, rays, reference::kIrradianceExponent,
+                                   context.scene.state.caustics.reference);
         }
-        if (wall_seconds() - state.saved_at > kSavePeriod) state.save(context.checkpoint);
+        state.save_at_times(context.checkpoint);
     }
     if (traced) state.save(context.checkpoint);
     for (std::size_t l = 0; l < layers.size(); ++l) {
-        count_most(context.stats, "reference standard error", estimates[l]->relative_error(cells[l].paths));
+        count_most(context.stats, "reference standard error", estimates[l]->relative_error(0));
         results[l] = result_of(*estimates[l], cells[l], layers[l].sample == 0 && layers[l].branch == 0);
     }
 }

@@ -24,6 +24,12 @@ namespace dapple::methods {
 /// undisturbed one. The file holds all layers of a frame and is left to the caller to remove once the frame
 /// is complete.
 ///
+/// S is found the same way, a layer of segments at a time: light on its ways through media is scattered
+/// towards the camera at random places. Transmittance is exact in homogeneous media and by ratio tracking in
+/// grids. Segments from the eye of a perspective camera have no bias (eye_connection.h); others are seen by
+/// beams around sub-pixel camera paths, 8 x 8 a sample's part of a pixel (fewer in pictures of more than
+/// 16384 pixels), whose error falls with the square of their width (camera_beams.h).
+///
 /// Limits: light that leaves the water's rectangle below open water does not meet the rest plane outside it;
 /// branches of later crossings of less than 1e-4 of the light, and chains of more than eight events, end.
 /// Light of a sun's disc that would come from below the horizon is left out.
@@ -32,17 +38,23 @@ public:
     explicit Reference(reference::ReferenceOptions options = {});
     ~Reference() override;
     Support supports_surface(const scene::FrameState& state) const override;
+    Support supports_volume(const scene::FrameState& state) const override;
     bool serves_behind_specular() const override { return true; }
     std::size_t bytes(const scene::FrameState& state, std::size_t pixels) const override;
     void begin(FrameContext& context) override;
     /// Error(interrupted) when the checkpoint says so.
     void irradiance(FrameContext& context, std::span<const view::ReceiverLayer> layers,
                     std::span<LayerResult> results) override;
+    /// Error(interrupted) when the checkpoint says so.
+    void in_scatter(FrameContext& context, const view::SegmentLayer& layer,
+                    std::span<glm::vec3> radiance) override;
+    /// "S.variance.R/G/B": squared standard error of what a pixel receives of its segments.
+    std::vector<DataLayer> in_scatter_data() override;
 
-    /// Passes of a round.
-    static constexpr std::uint64_t kPasses = 16;
     /// Strata a pass and light of the first round: a million rays in all.
     static constexpr std::uint64_t kFirstStrata = 65536;
+    /// The same of S, where a ray has many events.
+    static constexpr std::uint64_t kFirstVolumeStrata = 4096;
 
 private:
     struct State;

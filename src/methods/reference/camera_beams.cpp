@@ -1,0 +1,225 @@
+#include "methods/reference/camera_beams.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace dapple::reference {
+namespace {
+
+constexpr double kMostVoxels = 0x1p24;
+constexpr double kMostEntries = 0x1.8p25;
+/// Events at most on a way across all beams.
+constexpr double kMostSteps = 32;
+constexpr std::uint32_t kNoBeam = 0xffffffffu;
+
+}  // namespace
+
+CameraBeams::CameraBeams(std::vector<CameraBeam> beams, glm::dvec2 half)
+    : beams_(std::move(beams)), half_(half) {
+    if (beams_.empty()) return;
+    choose_voxels();
+    const std::size_t voxels = static_cast<std::size_t>(count_.x) * static_cast<std::size_t>(count_.y) *
+                               static_cast<std::size_t>(count_.z);
+    // A beam visits a voxel in steps that follow one another: the last visitor tells repetitions.
+    first_.assign(voxels + 1, 0);
+    std::vector<std::uint32_t> last(voxels, kNoBeam);
+    const auto each = [&](const auto& add) {
+        std::fill(last.begin(), last.end(), kNoBeam);
+        for (std::uint32_t b = 0; b < beams_.size(); ++b) {
+            visit_voxels(beams_[b], [&](std::size_t v) {
+                if (last[v] == b) return;
+                last[v] = b;
+                add(v, b);
+            });
+        }
+    };
+    each([&](std::size_t v, std::uint32_t) { ++first_[v + 1]; });
+    for (std::size_t v = 0; v < voxels; ++v) first_[v + 1] += first_[v];
+    found_.resize(first_.back());
+    std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
+    each([&](std::size_t v, std::uint32_t b) { found_[next[v]++] = b; });
+}
+
+/// Where the middle path ends at a slope, a path beside it may go on for longer.
+double CameraBeams::reach(const CameraBeam& beam) const {
+    const double s = beam.length;
+    const double width = half_.x * length(glm::dvec3(beam.u_origin) + s * glm::dvec3(beam.u_direction)) +
+                         half_.y * length(glm::dvec3(beam.v_origin) + s * glm::dvec3(beam.v_direction));
+    return s + 4 * width;
+}
+
+namespace {
+
+/// The four edges of a beam are straight.
+struct Edges {
+    std::array<glm::dvec3, 4> origin, direction;
+
+    Edges(const CameraBeam& beam, const glm::dvec2& half) {
+        for (std::size_t i = 0; i < 4; ++i) {
+            const double u = (i & 1) != 0 ? half.x : -half.x, v = (i & 2) != 0 ? half.y : -half.y;
+            origin[i] =
+                glm::dvec3(beam.origin) + u * glm::dvec3(beam.u_origin) + v * glm::dvec3(beam.v_origin);
+            direction[i] = glm::dvec3(beam.direction) + u * glm::dvec3(beam.u_direction) +
+                           v * glm::dvec3(beam.v_direction);
+        }
+    }
+    void bounds(double s, glm::dvec3& low, glm::dvec3& high) const {
+        for (std::size_t i = 0; i < 4; ++i) {
+            low = glm::min(low, origin[i] + s * direction[i]);
+            high = glm::max(high, origin[i] + s * direction[i]);
+        }
+    }
+};
+
+}  // namespace
+
+void CameraBeams::choose_voxels() {
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    low_ = glm::dvec3(kInfinity);
+    high_ = glm::dvec3(-kInfinity);
+    double way = 0, width = 0;
+    for (const CameraBeam& beam : beams_) {
+        const Edges edges(beam, half_);
+        const double end = reach(beam);
+        edges.bounds(0, low_, high_);
+        edges.bounds(end, low_, high_);
+        way += end;
+        const glm::dvec3 u = glm::dvec3(beam.u_origin) + 0.5 * end * glm::dvec3(beam.u_direction);
+        const glm::dvec3 v = glm::dvec3(beam.v_origin) + 0.5 * end * glm::dvec3(beam.v_direction);
+        width += half_.x * length(u) + half_.y * length(v);
+    }
+    width /= static_cast<double>(beams_.size());
+    const glm::dvec3 size = high_ - low_;
+    voxel_ = std::max(2 * width, 1e-6 * (1 + length(size)));
+    const auto too_many = [&] {
+        const double around = 1 + width / voxel_;
+        const glm::dvec3 counts = glm::floor(size / voxel_) + 1.0;
+        return counts.x * counts.y * counts.z > kMostVoxels ||
+               3 * way / voxel_ * around * around > kMostEntries;
+    };
+    while (too_many()) voxel_ *= 1.25;
+    count_ = glm::ivec3(glm::floor(size / voxel_)) + 1;
+    spacing_ = std::max(2 * voxel_, length(size) / kMostSteps);
+}
+
+template <class Visit>
+void CameraBeams::visit_voxels(const CameraBeam& beam, const Visit& visit) const {
+    const Edges edges(beam, half_);
+    const double end = reach(beam);
+    const double steps = std::ceil(end / voxel_);
+    for (double step = 0; step < steps; ++step) {
+        glm::dvec3 low(std::numeric_limits<double>::infinity()), high(-low);
+        edges.bounds(end * step / steps, low, high);
+        edges.bounds(end * (step + 1) / steps, low, high);
+        const glm::ivec3 from =
+            glm::clamp(glm::ivec3((low - low_) / voxel_ - 1e-9), glm::ivec3(0), count_ - 1);
+        const glm::ivec3 to =
+            glm::clamp(glm::ivec3((high - low_) / voxel_ + 1e-9), glm::ivec3(0), count_ - 1);
+        for (int z = from.z; z <= to.z; ++z)
+            for (int y = from.y; y <= to.y; ++y)
+                for (int x = from.x; x <= to.x; ++x)
+                    visit((static_cast<std::size_t>(z) * static_cast<std::size_t>(count_.y) +
+                           static_cast<std::size_t>(y)) *
+                              static_cast<std::size_t>(count_.x) +
+                          static_cast<std::size_t>(x));
+    }
+}
+
+bool CameraBeams::voxel(const glm::dvec3& position, std::size_t& index) const {
+    const glm::dvec3 place = (position - low_) / voxel_;
+    for (int axis = 0; axis < 3; ++axis)
+        if (!(place[axis] >= 0 && place[axis] < count_[axis])) return false;
+    const glm::ivec3 at(place);
+    index = (static_cast<std::size_t>(at.z) * static_cast<std::size_t>(count_.y) +
+             static_cast<std::size_t>(at.y)) *
+                static_cast<std::size_t>(count_.x) +
+            static_cast<std::size_t>(at.x);
+    return true;
+}
+
+bool CameraBeams::find(const CameraBeam& beam, const glm::dvec3& position, Place& place) const {
+    const glm::dvec3 o(beam.origin), d(beam.direction), uo(beam.u_origin), ud(beam.u_direction),
+        vo(beam.v_origin), vd(beam.v_direction);
+    place = {0, 0, dot(position - o, d), 0};
+    // Newton's method; P is linear in each of u, v and s.
+    for (int step = 0; step < 4; ++step) {
+        const glm::dvec3 by_u = uo + place.s * ud, by_v = vo + place.s * vd,
+                         by_s = d + place.u * ud + place.v * vd;
+        const glm::dvec3 rest = position - (o + place.u * uo + place.v * vo + place.s * by_s);
+        const glm::dvec3 across = cross(by_u, by_v);
+        const double determinant = dot(across, by_s);
+        if (determinant == 0) return false;
+        const double du = dot(rest, cross(by_v, by_s)) / determinant;
+        const double dv = dot(rest, cross(by_s, by_u)) / determinant;
+        const double ds = dot(rest, across) / determinant;
+        place.u += du;
+        place.v += dv;
+        place.s += ds;
+        place.jacobian = std::abs(determinant);
+        if (std::abs(place.u) > 2 * half_.x || std::abs(place.v) > 2 * half_.y) return false;
+        if (std::abs(du) < 1e-6 * half_.x && std::abs(dv) < 1e-6 * half_.y) break;
+    }
+    return std::abs(place.u) < half_.x && std::abs(place.v) < half_.y && place.s > 0 && place.s < reach(beam);
+}
+
+void CameraBeams::add_events(const LightWay& way, MediaProbe& light_probe, MediaProbe& eye_probe,
+                             RandomStream& random, std::vector<ScatteringEvent>& events) const {
+    const OwnMedia& media = light_probe.media();
+    const auto stretch = media.scattering_stretch(way.position, way.direction, way.length, way.in_water);
+    if (!stretch) return;
+    double begin = stretch->begin, end = stretch->end;
+    for (int axis = 0; axis < 3; ++axis) {
+        if (way.direction[axis] == 0) continue;
+        const double a = (low_[axis] - way.position[axis]) / way.direction[axis];
+        const double b = (high_[axis] - way.position[axis]) / way.direction[axis];
+        begin = std::max(begin, std::min(a, b));
+        end = std::min(end, std::max(a, b));
+    }
+    if (!(begin < end)) return;
+    const double count = std::ceil((end - begin) / spacing_);
+    const double step = (end - begin) / count;
+    const bool bounded = media.any_bounded(way.in_water);
+    if (bounded) light_probe.start(way.position, way.direction, way.in_water);
+    for (double i = 0; i < count; ++i) {
+        const double along = begin + step * (i + random.next());
+        const glm::dvec3 position = way.position + along * way.direction;
+        std::size_t at = 0;
+        if (!voxel(position, at)) continue;
+        for (std::uint32_t k = first_[at]; k < first_[at + 1]; ++k) {
+            const CameraBeam& beam = beams_[found_[k]];
+            Place place{};
+            if ((beam.in_water != 0) != way.in_water || !find(beam, position, place)) continue;
+            ScatteringEvent event;
+            event.position = position;
+            event.near_end = glm::dvec3(beam.origin) + place.u * glm::dvec3(beam.u_origin) +
+                             place.v * glm::dvec3(beam.v_origin);
+            const glm::dvec3 back = event.near_end - position;
+            const double distance = length(back);
+            if (!(distance > 0)) continue;
+            const glm::dvec3 view = back / distance;
+            const glm::dvec3 scattering =
+                light_probe.scattering(position, dot(way.direction, view), way.in_water);
+            if (scattering == glm::dvec3(0)) continue;
+            glm::dvec3 transmittance;
+            if (bounded) {
+                transmittance = light_probe.transmittance_to(along, random) *
+                                eye_probe.transmittance(position, view, distance, way.in_water, random);
+            } else {
+                transmittance = way.in_water ? media.through_water(along + distance) : glm::dvec3(1);
+            }
+            event.radiance =
+                step / place.jacobian * way.power * scattering * transmittance * glm::dvec3(beam.factor);
+            event.segment = beam.segment;
+            event.in_water = way.in_water;
+            if (event.radiance != glm::dvec3(0)) events.push_back(event);
+        }
+    }
+}
+
+std::size_t CameraBeams::bytes() const {
+    return beams_.size() * sizeof(CameraBeam) + (first_.size() + found_.size()) * sizeof(std::uint32_t);
+}
+
+}  // namespace dapple::reference

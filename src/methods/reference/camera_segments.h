@@ -1,0 +1,31 @@
+#pragma once
+#include <optional>
+
+#include "methods/reference/camera_beams.h"
+#include "methods/reference/eye_connection.h"
+#include "rays/ray_scene.h"
+#include "scene/frame_scene.h"
+#include "view/segment_layer.h"
+
+namespace dapple::reference {
+
+/// The camera's side of S of one layer of segments: what a pixel's segment is to hold is the mean over the
+/// part of the pixel that the sample stands for. Over the camera paths of that part that have a segment of
+/// the same number in the same medium it is the mean of what they receive from it, over the throughput of the
+/// layer's own. Segments from the eye of a perspective camera are left to an EyeConnection, all others (and
+/// those of orthographic cameras) to CameraBeams around a grid of sub-pixel paths.
+struct CameraSegments {
+    std::optional<EyeConnection> eye;
+    CameraBeams beams;
+    std::size_t segments = 0;
+    std::size_t beam_count = 0;
+
+    CameraSegments(const scene::FrameScene& scene, const rays::RayScene& rays,
+                   const view::SegmentLayer& layer);
+
+    /// Most sub-pixel paths along each side of a sample's part of the pixel; fewer in large pictures.
+    static constexpr int kMostAcross = 8;
+    static int paths_across(std::size_t pixels);
+};
+
+}  // namespace dapple::reference
