@@ -3,6 +3,7 @@
 #include <cassert>
 #include <cmath>
 #include <glm/gtc/constants.hpp>
+#include <iterator>
 
 #include "base/parallel.h"
 
@@ -40,27 +41,36 @@ private:
 
 }  // namespace
 
-Film::Film(int width, int height, int samples, const scene::Sky& sky)
+Film::Film(int width, int height, int samples, const scene::Sky& sky, bool volume)
     : width_(width),
       height_(height),
       weight_(1.0f / static_cast<float>(samples)),
+      volume_(volume),
       sky_radiance_(sky.radiance) {
     const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
     for (auto* sum : {&beauty_, &direct_, &caustics_, &sky_, &environment_, &irradiance_, &albedo_,
                       &position_, &normal_}) {
         sum->assign(pixels, glm::vec3(0));
     }
+    if (volume) {
+        for (auto* sum : {&volume_direct_, &volume_caustics_}) sum->assign(pixels, glm::vec3(0));
+    }
     for (auto* sum : {&alpha_, &covered_, &depth_}) sum->assign(pixels, 0);
 }
 
-std::size_t Film::bytes_per_pixel() {
+std::size_t Film::bytes_per_pixel(bool volume) {
     constexpr std::size_t sums = 9 * sizeof(glm::vec3) + 3 * sizeof(float);
-    return sums + kMostMethodChannels * sizeof(float) + (kOwnChannels + kMostMethodChannels) * sizeof(float);
+    constexpr std::size_t volume_part = 2 * sizeof(glm::vec3) + kVolumeChannels * sizeof(float);
+    return sums + kMostMethodChannels * sizeof(float) + (kOwnChannels + kMostMethodChannels) * sizeof(float) +
+           (volume ? volume_part : 0);
 }
 
 void Film::add(const view::ReceiverLayer& layer, LayerShading shading, glm::dvec3 origin) {
     const bool data = layer.sample == 0 && layer.branch == 0;
-    if (data) method_data_ = std::move(shading.caustics.data);
+    if (data) {
+        method_data_ = std::move(shading.caustics.data);
+        std::move(shading.volume_data.begin(), shading.volume_data.end(), std::back_inserter(method_data_));
+    }
     const float inverse_pi = glm::one_over_pi<float>();
     parallel_for(layer.pixels(), kTile, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
@@ -77,6 +87,11 @@ void Film::add(const view::ReceiverLayer& layer, LayerShading shading, glm::dvec
                 sky_[i] += response * shading.sky[i];
                 beauty_[i] += response * (shading.direct[i] + shading.caustics.irradiance[i] +
                                           shading.sky[i] + shading.flat_water[i]);
+            }
+            if (volume_) {
+                volume_direct_[i] += weight_ * shading.volume_direct[i];
+                volume_caustics_[i] += weight_ * shading.volume_caustics[i];
+                beauty_[i] += weight_ * (shading.volume_direct[i] + shading.volume_caustics[i]);
             }
             if (layer.branch == 0) {
                 if (std::isfinite(layer.depth[i])) alpha_[i] += weight_;
@@ -111,13 +126,21 @@ image::Image Film::finish(NonFinite& non_finite) const {
     std::vector<glm::vec3> mean_irradiance = irradiance_;
     for (std::size_t i = 0; i < mean_irradiance.size(); ++i)
         mean_irradiance[i] /= std::max(1.0f, covered_[i]);
+    if (volume_) {
+        std::vector<glm::vec3> volume = volume_direct_;
+        for (std::size_t i = 0; i < volume.size(); ++i) volume[i] += volume_caustics_[i];
+        write.vector("volume.", "RGB", volume, 1);
+        write.vector("volume_direct.", "RGB", volume_direct_, 1);
+        write.vector("volume_caustics.", "RGB", volume_caustics_, 1);
+    }
     write.vector("E.", "RGB", mean_irradiance, 1);
     write.vector("albedo.", "RGB", albedo_, 1);
     write.vector("P.", "XYZ", position_, 1);
     write.vector("N.", "XYZ", normal_, 1);
     write.scalar("Z", depth_, 1);
     write.scalar("covered", covered_, weight_);
-    assert(image.channels.size() == kOwnChannels && method_data_.size() <= kMostMethodChannels);
+    assert(image.channels.size() == kOwnChannels + (volume_ ? kVolumeChannels : 0) &&
+           method_data_.size() <= kMostMethodChannels);
     for (const methods::DataLayer& layer : method_data_) {
         assert(layer.values.size() == image.pixels() && !image.find(layer.name));
         write.scalar(layer.name, layer.values, 1);

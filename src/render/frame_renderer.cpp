@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 
+#include "media/media.h"
 #include "methods/registry.h"
 #include "ocean/grid_size.h"
 #include "rays/ray_scene.h"
@@ -10,8 +11,11 @@
 #include "render/film.h"
 #include "render/frame_scene_builder.h"
 #include "render/plan.h"
+#include "render/segment_lattice.h"
 #include "render/shading.h"
+#include "render/volumetric_light.h"
 #include "view/camera_paths.h"
+#include "view/segment_recorder.h"
 
 namespace dapple::render {
 namespace {
@@ -23,6 +27,11 @@ constexpr std::size_t kBatchPixels = std::size_t{1} << 22;
 /// Memory of a receiver layer and its shading, a pixel.
 constexpr std::size_t kLayerBytes = 6 * sizeof(glm::vec3) + 2 * sizeof(std::uint32_t) + sizeof(glm::vec2) +
                                     2 * sizeof(float) + 5 * sizeof(glm::vec3) + 1;
+
+/// A segment, as it is recorded and as the layer keeps it, and what is found for it; segments a pixel where
+/// the camera sees through the water's surface.
+constexpr std::size_t kSegmentBytes = sizeof(view::PathPiece) + 9 * sizeof(glm::vec3) + 2 * sizeof(float) + 1;
+constexpr std::size_t kSegmentsAPixel = 2;
 
 /// Of the water: positions and normals in double, and what is needed beside them while they are made; indices
 /// and Embree's tree (141 MB for 2.1 M triangles, measured).
@@ -43,6 +52,29 @@ bool any_direct_receiver(const view::ReceiverLayer& layer) {
     return std::any_of(layer.flags.begin(), layer.flags.end(), [](std::uint32_t flags) {
         return (flags & (view::kReceiver | view::kBehindSpecular)) == view::kReceiver;
     });
+}
+
+/// From the state alone, before grids are read.
+bool may_scatter(const scene::FrameState& state) {
+    return !state.media.empty() || (state.water && state.water->scattering != glm::dvec3(0));
+}
+
+/// A layer on its way to the film.
+struct TracedLayer {
+    view::ReceiverLayer receivers;
+    /// What media scatter towards the pixels, W/m^2/sr; empty without a volume pass.
+    std::vector<glm::vec3> volume_direct, volume_caustics;
+    std::vector<methods::DataLayer> volume_data;
+};
+
+/// What pixels receive of what their segments scatter.
+std::vector<glm::vec3> seen(const view::SegmentLayer& layer, const std::vector<glm::vec3>& radiance) {
+    std::vector<glm::vec3> pixels(layer.first.size() - 1, glm::vec3(0));
+    for (std::size_t pixel = 0; pixel < pixels.size(); ++pixel) {
+        for (std::uint32_t i = layer.first[pixel]; i < layer.first[pixel + 1]; ++i)
+            pixels[pixel] += layer.throughput[i] * radiance[i];
+    }
+    return pixels;
 }
 
 methods::LayerResult not_covered(std::size_t count) {
@@ -73,12 +105,13 @@ public:
           method_(kept.method(state.caustics.method)),
           scene_(build_scene(state)),
           plan_(make_plan(scene_, method_)),
+          media_(scene_),
           rays_(build_rays()),
           context_{scene_, rays_, kept.device, stats, plan_.chains, checkpoint},
-          film_(state.clip.width, state.clip.height, state.clip.samples, state.sky) {}
+          film_(state.clip.width, state.clip.height, state.clip.samples, state.sky, plan_.volume) {}
 
     RenderedFrame run() {
-        if (plan_.caustics) method_.begin(context_);
+        if (!plan_.chains.empty()) method_.begin(context_);
         const int samples = scene_.state.clip.samples;
         const int batch = batch_size(scene_.state.clip);
         for (int first = 0; first < samples; first += batch) {
@@ -108,32 +141,63 @@ private:
     /// Samples [first, first + count): their first branches at one go, then the second branches of those that
     /// split.
     void render_batch(int first, int count) {
-        std::vector<view::ReceiverLayer> layers;
+        std::vector<TracedLayer> layers;
         std::vector<bool> splits;
         for (int i = 0; i < count; ++i) {
             view::LayerCounts counts;
             layers.push_back(trace(first + i, 0, counts));
             splits.push_back(counts.split_pixels > 0);
         }
-        render_layers(layers);
+        render_layers(std::move(layers));
         for (int i = 0; i < count; ++i) {
             if (!splits[static_cast<std::size_t>(i)]) continue;
             view::LayerCounts counts;
-            layers.assign(1, trace(first + i, 1, counts));
-            render_layers(layers);
+            layers.clear();
+            layers.push_back(trace(first + i, 1, counts));
+            render_layers(std::move(layers));
         }
     }
 
-    view::ReceiverLayer trace(int sample, int branch, view::LayerCounts& counts) {
-        const ScopedPass pass(stats_, "camera paths");
-        view::ReceiverLayer layer = view::trace_layer(scene_, rays_, {sample, branch}, counts);
-        stats_.count("camera paths", static_cast<double>(layer.pixels()));
+    /// The segments of the layer are gone when it returns: they take more room than its receivers.
+    TracedLayer trace(int sample, int branch, view::LayerCounts& counts) {
+        TracedLayer layer;
+        view::SegmentLayer segments;
+        {
+            const ScopedPass pass(stats_, "camera paths");
+            layer.receivers = view::trace_layer(scene_, rays_, {sample, branch}, counts,
+                                                plan_.volume ? &segments : nullptr);
+        }
+        stats_.count("camera paths", static_cast<double>(layer.receivers.pixels()));
         stats_.count("dropped splits", static_cast<double>(counts.dropped_splits));
         stats_.count("longest chain hits", static_cast<double>(counts.longest_chain_hits));
+        if (!plan_.volume) return layer;
+        stats_.count("camera segments", static_cast<double>(segments.segments()));
+        const AskSegments ask = [&](const view::SegmentLayer& asked) { return scattered(asked); };
+        const SegmentRadiance radiance =
+            plan_.half_volume ? at_half_resolution(segments, ask) : ask(segments);
+        layer.volume_direct = seen(segments, radiance.direct);
+        layer.volume_caustics = seen(segments, radiance.caustics);
+        if (plan_.volume_caustics && sample == 0 && branch == 0)
+            layer.volume_data = method_.in_scatter_data();
         return layer;
     }
 
-    void render_layers(const std::vector<view::ReceiverLayer>& layers) {
+    SegmentRadiance scattered(const view::SegmentLayer& segments) {
+        stats_.count("camera segments asked for", static_cast<double>(segments.segments()));
+        SegmentRadiance radiance;
+        radiance.direct.assign(segments.segments(), glm::vec3(0));
+        radiance.caustics = radiance.direct;
+        if (plan_.volume_caustics) method_.in_scatter(context_, segments, radiance.caustics);
+        if (plan_.volume_direct) {
+            const ScopedPass pass(stats_, "volumetric direct light");
+            add_volumetric_direct_light(scene_, media_, rays_, segments, radiance.direct);
+        }
+        return radiance;
+    }
+
+    void render_layers(std::vector<TracedLayer> traced) {
+        std::vector<view::ReceiverLayer> layers;
+        for (TracedLayer& layer : traced) layers.push_back(std::move(layer.receivers));
         std::vector<methods::LayerResult> results;
         results.reserve(layers.size());
         for (const view::ReceiverLayer& layer : layers) results.push_back(not_covered(layer.pixels()));
@@ -151,6 +215,9 @@ private:
             shading.flat_water = plan_.flat_water_stand_in ? flat_water_irradiance(scene_, rays_, layers[i],
                                                                                    shading.caustics.covered)
                                                            : dark;
+            shading.volume_direct = std::move(traced[i].volume_direct);
+            shading.volume_caustics = std::move(traced[i].volume_caustics);
+            shading.volume_data = std::move(traced[i].volume_data);
             film_.add(layers[i], std::move(shading), scene_.origin);
         }
     }
@@ -160,6 +227,7 @@ private:
     methods::CausticMethod& method_;
     scene::FrameScene scene_;
     Plan plan_;
+    media::Media media_;
     rays::RayScene rays_;
     methods::FrameContext context_;
     Film film_;
@@ -186,8 +254,11 @@ RenderedFrame FrameRenderer::render(const scene::FrameState& state, FrameStats& 
 std::size_t FrameRenderer::bytes(const scene::FrameState& state) const {
     // In double: a picture of absurd size must not wrap around to a small number.
     const double count = static_cast<double>(state.clip.width) * static_cast<double>(state.clip.height);
-    const double a_pixel = static_cast<double>(Film::bytes_per_pixel()) +
-                           static_cast<double>(batch_size(state.clip)) * static_cast<double>(kLayerBytes);
+    const bool volume = may_scatter(state);
+    const double a_layer = static_cast<double>(kLayerBytes + (volume ? 2 * sizeof(glm::vec3) : 0));
+    const double a_pixel = static_cast<double>(Film::bytes_per_pixel(volume)) +
+                           static_cast<double>(batch_size(state.clip)) * a_layer +
+                           static_cast<double>(volume ? kSegmentsAPixel * kSegmentBytes : 0);
     constexpr double largest = 0x1p62;
     if (count * a_pixel > largest) return static_cast<std::size_t>(largest);
     std::size_t sum = static_cast<std::size_t>(count * a_pixel);

@@ -4,6 +4,8 @@
 #include <cstdio>
 #include <limits>
 
+#include "media/media.h"
+#include "render/shading.h"
 #include "scene/transform.h"
 #include "view/camera.h"
 #include "view/camera_medium.h"
@@ -58,6 +60,8 @@ public:
         : scene_(scene),
           state_(scene.state),
           support_(method.supports_surface(scene.state)),
+          media_(scene),
+          volume_support_(scatters() ? method.supports_volume(scene.state) : methods::Support{}),
           serves_behind_specular_(method.serves_behind_specular()) {}
 
     Plan make() {
@@ -68,7 +72,6 @@ public:
             consider(static_cast<int>(i), light::Event::transmission);
             consider(static_cast<int>(i), light::Event::reflection);
         }
-        plan_.caustics = !plan_.chains.empty();
         plan_method();
         plan_stand_in();
         plan_.direct_light = !state_.lights.empty() && !state_.objects.empty();
@@ -78,7 +81,7 @@ public:
         plan_.sky_light = state_.sky.radiance != glm::dvec3(0);
         add("sky term", plan_.sky_light,
             plan_.sky_light ? "constant sky; no occlusion by objects" : "the sky is black");
-        add("volume", false, "no medium scatters");
+        plan_volume();
         not_modelled();
         return std::move(plan_);
     }
@@ -86,6 +89,14 @@ public:
 private:
     void add(const std::string& pass, bool runs, const std::string& reason) {
         plan_.lines.push_back({pass, runs ? "yes" : "no", reason});
+    }
+    void add(const std::string& pass, const methods::Support& support) {
+        using enum methods::Support::Degree;
+        plan_.lines.push_back({pass,
+                               support.degree == yes      ? "yes"
+                               : support.degree == partly ? "partly"
+                                                          : "no",
+                               support.reason});
     }
 
     std::string water_mesh() const {
@@ -143,27 +154,37 @@ private:
         const bool above = light_above_water(light);
         const bool lands_above = (event == light::Event::reflection) == above;
         const std::string pass = light::chain_name(state_, {index, event});
-        if (support_.degree == methods::Support::Degree::no) {
-            add(pass, false, "the method does not serve this scene");
-            return;
-        }
-        if (!(lands_above ? receivers_above_ : receivers_below_)) {
-            add(pass, false, lands_above ? "nothing stands above the water" : "nothing lies below the water");
-            return;
-        }
-        if (!serves_behind_specular_ && !(lands_above ? camera_may_be_above_ : camera_may_be_below_)) {
-            add(pass, false,
-                "it lands across the water from the camera, and the method serves direct views only");
+        const std::string no_receivers = why_no_receivers(lands_above);
+        const bool volume =
+            volume_support_.degree != methods::Support::Degree::no && media_.scatters(!lands_above);
+        if (!no_receivers.empty() && !volume) {
+            add(pass, false, no_receivers);
             return;
         }
         plan_.chains.push_back({index, event});
-        std::string reason = lands_above ? "objects above the water" : "objects below the water";
+        plan_.caustics |= no_receivers.empty();
+        plan_.volume_caustics |= volume;
+        const std::string side = lands_above ? " above the water" : " below the water";
+        std::string reason = (no_receivers.empty() ? "objects" : "media") + side;
+        if (no_receivers.empty() && volume) reason = "objects and media" + side;
         if (among_waves(light)) {
             reason += std::string("; the lamp is among the waves and counts as ") +
                       (above ? "above" : "under") + " water: what it sends onto their other side is lost";
         }
         add(pass, true, reason);
     }
+
+    /// Why a chain that lands on one side of the water needs no E; empty where it does.
+    std::string why_no_receivers(bool above) const {
+        if (support_.degree == methods::Support::Degree::no) return "the method does not serve this scene";
+        if (!(above ? receivers_above_ : receivers_below_))
+            return above ? "nothing stands above the water" : "nothing lies below the water";
+        if (!serves_behind_specular_ && !(above ? camera_may_be_above_ : camera_may_be_below_))
+            return "it lands across the water from the camera, and the method serves direct views only";
+        return "";
+    }
+
+    bool scatters() const { return media_.scatters(false) || media_.scatters(true); }
 
     /// Whether some of the water's surface is higher than the lamp and some lower.
     bool among_waves(const scene::Light& light) const {
@@ -176,10 +197,45 @@ private:
             add("caustics: " + state_.caustics.method, false, "no light path needs it");
             return;
         }
-        const char* decision = support_.degree == methods::Support::Degree::yes      ? "yes"
-                               : support_.degree == methods::Support::Degree::partly ? "partly"
-                                                                                     : "no";
-        plan_.lines.push_back({"caustics: " + state_.caustics.method, decision, support_.reason});
+        add("caustics: " + state_.caustics.method, support_);
+    }
+
+    void plan_volume() {
+        if (!scatters()) {
+            add("volume", false, "no medium scatters");
+            return;
+        }
+        const std::string pass = "volume caustics: " + state_.caustics.method;
+        if (plan_.volume_caustics || volume_support_.degree == methods::Support::Degree::no) {
+            add(pass, volume_support_);
+        } else {
+            add(pass, false, "no light path needs it");
+        }
+        const bool air = any_light(false), water = any_light(true);
+        plan_.volume_direct = air || water;
+        add("volumetric direct light", plan_.volume_direct,
+            plan_.volume_direct ? std::string("lights and media in ") +
+                                      (air && water ? "air and water"
+                                       : air        ? "the air"
+                                                    : "the water") +
+                                      ", shadowed by objects"
+                                : "no light is on a side of the water where something scatters");
+        plan_.volume = plan_.volume_caustics || plan_.volume_direct;
+        plan_.half_volume =
+            plan_.volume && state_.caustics.volume_resolution == scene::VolumeResolution::half;
+        if (plan_.half_volume) {
+            add("half volume resolution", true,
+                "what media scatter is found at every second pixel in x and y, and where segments do not lie "
+                "between those of their neighbors; interpolated elsewhere");
+        }
+    }
+
+    /// Whether a light shines, without a specular event, on the side of the water where something scatters.
+    bool any_light(bool in_water) const {
+        return media_.scatters(in_water) &&
+               std::any_of(state_.lights.begin(), state_.lights.end(), [&](const scene::Light& light) {
+                   return light_in_water(state_, light) == in_water;
+               });
     }
 
     /// Also where no chain is traced: the camera may see the bed from above.
@@ -198,15 +254,23 @@ private:
     }
 
     void not_modelled() {
-        add("not modelled", false,
+        std::string what =
             "multiple scattering, light from floor to surface to floor, second crossings of the water by "
             "light, light sent on by mirrors, the sun's disc as seen by the camera, occlusion of the sky "
-            "term");
+            "term";
+        if (scatters()) {
+            what += ", light of the sky that media scatter, light that they scatter onto receivers";
+            if (state_.water && state_.water->extent.kind == scene::ExtentKind::open_water)
+                what += ", light in media that entered open water beyond its extent";
+        }
+        add("not modelled", false, what);
     }
 
     const scene::FrameScene& scene_;
     const scene::FrameState& state_;
     const methods::Support support_;
+    const media::Media media_;
+    const methods::Support volume_support_;
     const bool serves_behind_specular_;
     Plan plan_;
     bool receivers_below_ = false;

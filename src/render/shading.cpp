@@ -40,19 +40,6 @@ glm::vec3 shadow_origin(const view::ReceiverLayer& layer, std::size_t pixel) {
     return position + offset * layer.geometric_normal[pixel];
 }
 
-/// Direction of travel of a sun's light for one sample of its disc: equal-area points of a Fibonacci spiral,
-/// the first of one being the centre.
-glm::dvec3 sun_direction(const scene::Light& light, int sample, int samples) {
-    if (light.angular_diameter <= 0 || samples == 1) return light.direction;
-    constexpr double golden_angle = 2.399963229728653;
-    const double radius = std::tan(0.5 * light.angular_diameter) * std::sqrt((sample + 0.5) / samples);
-    const double angle = golden_angle * sample;
-    const glm::dvec3 helper = std::abs(light.direction.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0);
-    const glm::dvec3 u = glm::normalize(glm::cross(helper, light.direction));
-    const glm::dvec3 v = glm::cross(light.direction, u);
-    return glm::normalize(light.direction + radius * (std::cos(angle) * u + std::sin(angle) * v));
-}
-
 bool inside_rectangle(const scene::Extent& extent, glm::dvec3 position) {
     const glm::dvec2 offset = glm::abs(glm::dvec2(position.x, position.z) - extent.center);
     return offset.x <= 0.5 * extent.size.x && offset.y <= 0.5 * extent.size.y;
@@ -60,12 +47,6 @@ bool inside_rectangle(const scene::Extent& extent, glm::dvec3 position) {
 
 bool in_extent(const scene::Extent& extent, glm::dvec3 position) {
     return extent.kind == scene::ExtentKind::open_water || inside_rectangle(extent, position);
-}
-
-/// Whether a point or spot light is under water, by the rest plane.
-bool light_in_water(const scene::FrameState& state, const scene::Light& light) {
-    return light.type != scene::LightType::sun && state.water && light.position.y < 0 &&
-           in_extent(state.water->extent, light.position);
 }
 
 /// Runs `body(pixel range, irradiance)` tile by tile in parallel.
@@ -105,6 +86,22 @@ Candidate direct_candidate(const scene::FrameScene& scene, const view::ReceiverL
 }
 
 }  // namespace
+
+glm::dvec3 sun_direction(const scene::Light& light, int sample, int samples) {
+    if (light.angular_diameter <= 0 || samples == 1) return light.direction;
+    constexpr double golden_angle = 2.399963229728653;
+    const double radius = std::tan(0.5 * light.angular_diameter) * std::sqrt((sample + 0.5) / samples);
+    const double angle = golden_angle * sample;
+    const glm::dvec3 helper = std::abs(light.direction.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0);
+    const glm::dvec3 u = glm::normalize(glm::cross(helper, light.direction));
+    const glm::dvec3 v = glm::cross(light.direction, u);
+    return glm::normalize(light.direction + radius * (std::cos(angle) * u + std::sin(angle) * v));
+}
+
+bool light_in_water(const scene::FrameState& state, const scene::Light& light) {
+    return light.type != scene::LightType::sun && state.water && light.position.y < 0 &&
+           in_extent(state.water->extent, light.position);
+}
 
 std::vector<glm::vec3> direct_irradiance(const scene::FrameScene& scene, const rays::RayScene& rays,
                                          const view::ReceiverLayer& layer) {

@@ -8,6 +8,13 @@
 
 namespace dapple::render {
 
+/// Direction of travel of a sun's light for one of `samples` samples of its disc: equal-area points of a
+/// Fibonacci spiral, the first of one being the centre.
+glm::dvec3 sun_direction(const scene::Light& light, int sample, int samples);
+
+/// Whether a point or spot light is under water, by the rest plane.
+bool light_in_water(const scene::FrameState& state, const scene::Light& light);
+
 /// E_direct [W/m^2], an entry a pixel: light that reaches the receivers without a specular event, from lights
 /// in the same medium, shadowed by objects. A sun with a disc is sampled in one direction a layer, from a set
 /// fixed by the layer's sample, equal for all pixels and frames.

@@ -98,6 +98,36 @@ TEST(Film, AMethodsDataAreThoseOfTheFirstSampleAndBranch) {
     EXPECT_EQ(image.channels.size(), render::Film::kOwnChannels + 2);
 }
 
+TEST(Film, AddsWhatMediaScatterAndItsLayersWhereThePlanHasThem) {
+    const auto with_volume = [](float direct, float caustics) {
+        render::LayerShading shading = shading_of(0);
+        shading.volume_direct.assign(2, glm::vec3(direct, 0, 0));
+        shading.volume_caustics.assign(2, glm::vec3(0, caustics, caustics));
+        return shading;
+    };
+    render::Film film(2, 1, 2, {{0, 0, 0}}, true);
+    film.add(layer_of(0, 0), with_volume(1, 2), {});
+    film.add(layer_of(0, 1), with_volume(10, 20), {});
+    film.add(layer_of(1, 0), with_volume(3, 4), {});
+    render::NonFinite non_finite;
+    const image::Image image = film.finish(non_finite);
+    EXPECT_EQ(image.channels.size(), render::Film::kOwnChannels + render::Film::kVolumeChannels);
+    for (const std::size_t pixel : {0u, 1u}) {  // also of the path that met no surface
+        EXPECT_EQ(value(image, "volume_direct.R", pixel), 7);
+        EXPECT_EQ(value(image, "volume_direct.G", pixel), 0);
+        EXPECT_EQ(value(image, "volume_caustics.G", pixel), 13);
+        EXPECT_EQ(value(image, "volume.R", pixel), 7);
+        EXPECT_EQ(value(image, "volume.B", pixel), 13);
+    }
+    EXPECT_EQ(value(image, "R", 1), 7);
+    const float surface = value(image, "direct.B", 0) + value(image, "sky.B", 0);
+    EXPECT_NEAR(value(image, "B", 0), surface + 13, 1e-5);
+
+    render::Film without(2, 1, 1, {{0, 0, 0}});
+    without.add(layer_of(0, 0), shading_of(0), {});
+    EXPECT_EQ(without.finish(non_finite).find("volume.R"), nullptr);
+}
+
 TEST(Film, NonFiniteValuesAreReplacedCountedAndPlaced) {
     render::Film film(2, 1, 1, {{0, 0, 0}});
     render::LayerShading shading = shading_of(1);

@@ -11,10 +11,14 @@ namespace {
 class TellingMethod : public methods::CausticMethod {
 public:
     using Degree = methods::Support::Degree;
-    explicit TellingMethod(bool behind_specular, Degree degree = Degree::partly)
-        : behind_specular_(behind_specular), degree_(degree) {}
+    explicit TellingMethod(bool behind_specular, Degree degree = Degree::partly,
+                           Degree volume_degree = Degree::no)
+        : behind_specular_(behind_specular), degree_(degree), volume_degree_(volume_degree) {}
     methods::Support supports_surface(const scene::FrameState&) const override {
         return {degree_, "the reason"};
+    }
+    methods::Support supports_volume(const scene::FrameState&) const override {
+        return {volume_degree_, "the volume's reason"};
     }
     bool serves_behind_specular() const override { return behind_specular_; }
     std::size_t bytes(const scene::FrameState&, std::size_t) const override { return 0; }
@@ -25,6 +29,7 @@ public:
 private:
     bool behind_specular_;
     Degree degree_;
+    Degree volume_degree_;
 };
 
 /// As sliced beams are: all receivers, however the camera sees them.
@@ -177,6 +182,84 @@ TEST(Plan, AMethodThatDoesNotServeTheSceneIsNotRun) {
     EXPECT_TRUE(plan.flat_water_stand_in);
     EXPECT_EQ(line(plan, "caustics: " + pool().caustics.method).decision, "no");
     EXPECT_EQ(line(plan, "caustics: " + pool().caustics.method).reason, "the reason");
+}
+
+/// Serves receivers and segments.
+TellingMethod scattering() {
+    return TellingMethod(true, methods::Support::Degree::yes, methods::Support::Degree::partly);
+}
+
+scene::FrameScene with_smoke(const scene::FrameState& state) {
+    scene::FrameScene scene = scene_of(state);
+    scene.state.media.emplace_back().type = scene::MediumType::box;
+    scene.state.media.back().transform.position = {0, 2, 0};
+    scene.medium_grids.resize(1);
+    return scene;
+}
+
+TEST(Plan, WithoutMediaThereIsNoVolume) {
+    const render::Plan plan = render::make_plan(scene_of(pool()), scattering());
+    EXPECT_EQ(line(plan, "volume").decision, "no");
+    EXPECT_EQ(line(plan, "volume").reason, "no medium scatters");
+    EXPECT_FALSE(plan.volume || plan.volume_caustics || plan.volume_direct || plan.half_volume);
+    EXPECT_THROW(line(plan, "volumetric direct light"), std::runtime_error);
+    EXPECT_EQ(line(plan, "not modelled").reason.find("media"), std::string::npos);
+}
+
+TEST(Plan, WaterThatScattersWantsTheLightThatComesIntoIt) {
+    scene::FrameState state = pool();
+    state.water->scattering = {0.1, 0.1, 0.1};
+    const std::string pass = "volume caustics: " + state.caustics.method;
+    const render::Plan plan = render::make_plan(scene_of(state), scattering());
+    EXPECT_TRUE(plan.volume && plan.volume_caustics && !plan.volume_direct && plan.caustics);
+    EXPECT_EQ(line(plan, pass).decision, "partly");
+    EXPECT_EQ(line(plan, pass).reason, "the volume's reason");
+    EXPECT_EQ(line(plan, "sun > water:T").reason, "objects and media below the water");
+    EXPECT_EQ(line(plan, "sun > water:R").decision, "no");
+    EXPECT_EQ(line(plan, "volumetric direct light").decision, "no");
+    EXPECT_NE(line(plan, "not modelled").reason.find("light of the sky that media scatter"),
+              std::string::npos);
+
+    // Light is traced for it though nothing else is there to be lit.
+    state.objects.clear();
+    const render::Plan empty = render::make_plan(scene_of(state), scattering());
+    ASSERT_EQ(empty.chains.size(), 1u);
+    EXPECT_TRUE(empty.volume_caustics);
+    EXPECT_FALSE(empty.caustics);
+    EXPECT_EQ(line(empty, "sun > water:T").reason, "media below the water");
+    EXPECT_EQ(line(empty, "caustics: " + state.caustics.method).decision, "no");
+
+    // A lamp in it lights it directly, and by reflection.
+    state.lights[0].type = scene::LightType::point;
+    state.lights[0].position = {0, -1, 0};
+    const render::Plan lamp = render::make_plan(scene_of(state), scattering());
+    EXPECT_TRUE(lamp.volume_direct && lamp.volume_caustics);
+    EXPECT_EQ(line(lamp, "volumetric direct light").reason,
+              "lights and media in the water, shadowed by objects");
+}
+
+TEST(Plan, AMethodThatServesNoSegmentsLeavesTheDirectLight) {
+    scene::FrameState state = pool();
+    state.objects.clear();
+    const render::Plan plan = render::make_plan(with_smoke(state), covering());
+    EXPECT_TRUE(plan.chains.empty());
+    EXPECT_TRUE(plan.volume && plan.volume_direct && !plan.volume_caustics);
+    EXPECT_EQ(line(plan, "volume caustics: " + state.caustics.method).decision, "no");
+    EXPECT_EQ(line(plan, "volume caustics: " + state.caustics.method).reason, "the volume's reason");
+}
+
+TEST(Plan, SmokeAboveTheWaterWantsReflectedLight) {
+    const render::Plan plan = render::make_plan(with_smoke(pool()), scattering());
+    EXPECT_EQ(plan.chains.size(), 2u);
+    EXPECT_EQ(line(plan, "sun > water:R").reason, "media above the water");
+    EXPECT_EQ(line(plan, "sun > water:T").reason, "objects below the water");
+    EXPECT_EQ(line(plan, "volumetric direct light").reason,
+              "lights and media in the air, shadowed by objects");
+    EXPECT_FALSE(plan.half_volume);
+    scene::FrameState half = pool();
+    half.caustics.volume_resolution = scene::VolumeResolution::half;
+    EXPECT_TRUE(render::make_plan(with_smoke(half), scattering()).half_volume);
+    EXPECT_FALSE(render::make_plan(scene_of(half), scattering()).half_volume);
 }
 
 TEST(Plan, SaysThatALampAmongTheWavesLosesLight) {

@@ -25,7 +25,7 @@ void expect_color(const glm::vec3& found, const glm::dvec3& expected) {
 }
 
 glm::dvec3 absorbed(const scene::Water& water, double distance) {
-    return glm::exp(-distance * water.absorption);
+    return glm::exp(-distance * water.extinction());
 }
 
 struct CameraRay {
@@ -314,6 +314,50 @@ TEST(CameraPaths, AnOrthographicCameraMayStandInWaterAndAirAtOnce) {
                 ASSERT_EQ(layer.flags[i], y < 0 ? kReceiver | kInWater : +kReceiver) << y;
                 ASSERT_NEAR(layer.throughput[i].x, y < 0 ? std::exp(-0.5 * 19) : 1, 1e-9) << y;
             }
+        }
+    }
+}
+
+TEST(CameraPaths, MediaDimWhatIsSeenThroughThem) {
+    // A slab of fog across the surface of flat water, 0.3 m of it above and 0.2 m below, all of it dimming by
+    // scattering as well as by absorption; a camera above looks at the floor, and at the sky.
+    ViewScene scene(9, 9);
+    scene.frame.origin = {3, 0, -2};
+    scene::Medium fog;
+    fog.type = scene::MediumType::box;
+    fog.size = {1000, 0.5, 1000};
+    fog.transform.position = {0, 0.05, 0};
+    fog.extinction = {0.1, 0.5, 2};
+    fog.density = 0.5;
+    scene.frame.state.media.push_back(fog);
+    scene::Water& water = scene.fill_flat(200);
+    water.absorption = {0.1, 0.05, 0.02};
+    water.scattering = {0.3, 0.2, 0.1};
+    scene.add_floor(-1.5);
+    scene.look({1, 1, 2}, {1.2, -1, 2.3}, 0.5);
+    const ReceiverLayer down = scene.trace();
+    for (int y = 0; y < 9; ++y) {
+        for (int x = 0; x < 9; ++x) {
+            const std::size_t i = index_of(down, x, y);
+            ASSERT_EQ(down.flags[i], kReceiver | kInWater | kBehindSpecular);
+            const double cos_i = -ray_of(scene, x, y).direction.y;
+            const test::Crossing crossing = test::cross_surface(cos_i, 1, kIndex);
+            const glm::dvec3 dimmed = glm::exp(-(0.3 / cos_i + 0.2 / crossing.cos_t) * 0.5 * fog.extinction) *
+                                      absorbed(water, 1.5 / crossing.cos_t);
+            expect_color(down.throughput[i], crossing.transmittance / (kIndex * kIndex) * dimmed);
+        }
+    }
+    scene.look({1, -0.2, 2}, {1.3, 10, 2.2}, 0.3);  // from the fog's lower face up into the air
+    const ReceiverLayer up = scene.trace();
+    for (int y = 0; y < 9; ++y) {
+        for (int x = 0; x < 9; ++x) {
+            const std::size_t i = index_of(up, x, y);
+            ASSERT_EQ(up.flags[i], kEnvironment | kBehindSpecular);
+            const double cos_i = ray_of(scene, x, y).direction.y;
+            const test::Crossing crossing = test::cross_surface(cos_i, kIndex, 1);
+            const glm::dvec3 dimmed = glm::exp(-(0.2 / cos_i + 0.3 / crossing.cos_t) * 0.5 * fog.extinction) *
+                                      absorbed(water, 0.2 / cos_i);
+            expect_color(up.throughput[i], crossing.transmittance * kIndex * kIndex * dimmed);
         }
     }
 }
