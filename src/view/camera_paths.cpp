@@ -41,8 +41,8 @@ bool is_finite(const glm::dvec3& v) {
 class LayerTracer {
 public:
     /// `recorder` may be null; it has as many tiles as the tracer.
-    LayerTracer(const scene::FrameScene& scene, const rays::RayScene& rays, LayerRequest request,
-                ReceiverLayer& layer, SegmentRecorder* recorder);
+    LayerTracer(const scene::FrameScene& scene, const rays::RayScene& rays, const media::Media& media,
+                LayerRequest request, ReceiverLayer& layer, SegmentRecorder* recorder);
 
     static std::size_t tiles(const ReceiverLayer& layer) {
         return static_cast<std::size_t>((layer.width + kTileSize - 1) / kTileSize) *
@@ -61,7 +61,7 @@ private:
     bool may_go_on(Path& path, LayerCounts& counts) const;
     void move_to(Path& path, const SurfacePoint& surface) const;
     void lift_off(Path& path, const glm::dvec3& normal) const;
-    void absorb(Path& path, double distance) const;
+    glm::dvec3 transmitted(const Path& path, double distance, bool in_water) const;
     void note_depth(const Path& path, double distance) const;
     void note_piece(const Path& path, double distance, bool in_water) const;
     void end_at_receiver(const Path& path, const rays::Hit& hit, const SurfacePoint& surface) const;
@@ -70,6 +70,7 @@ private:
 
     const scene::FrameScene& scene_;
     const rays::RayScene& rays_;
+    const media::Media& media_;
     LayerRequest request_;
     ReceiverLayer& layer_;
     PathStarts starts_;
@@ -79,10 +80,12 @@ private:
     SegmentRecorder* recorder_;
 };
 
-LayerTracer::LayerTracer(const scene::FrameScene& scene, const rays::RayScene& rays, LayerRequest request,
-                         ReceiverLayer& layer, SegmentRecorder* recorder)
+LayerTracer::LayerTracer(const scene::FrameScene& scene, const rays::RayScene& rays,
+                         const media::Media& media, LayerRequest request, ReceiverLayer& layer,
+                         SegmentRecorder* recorder)
     : scene_(scene),
       rays_(rays),
+      media_(media),
       request_(request),
       layer_(layer),
       starts_(scene, rays, layer.width,
@@ -173,7 +176,7 @@ bool LayerTracer::advance(Path& path, const Encounter& encounter, LayerCounts& c
     const SurfacePoint surface = geometry_.object_point(encounter.hit, path.origin, path.direction);
     note_depth(path, surface.distance);
     note_piece(path, surface.distance, path.in_water);
-    if (path.in_water) absorb(path, surface.distance);
+    path.throughput *= transmitted(path, surface.distance, path.in_water);
     const scene::Material& material = scene_.state.objects[encounter.hit.object].material;
     if (material.mirror) return mirror(path, surface, material.color, counts);
     if (wanted(path)) end_at_receiver(path, encounter.hit, surface);
@@ -206,7 +209,7 @@ bool LayerTracer::cross_water(Path& path, const SurfacePoint& surface, LayerCoun
     // open side of a pool learns here that it is under water.
     const bool from_air = dot(path.direction, surface.geometric_normal) <= 0;
     note_piece(path, surface.distance, !from_air);
-    if (!from_air) absorb(path, surface.distance);
+    path.throughput *= transmitted(path, surface.distance, !from_air);
     if (!may_go_on(path, counts)) return false;
 
     const double index = scene_.state.water->refractive_index;
@@ -314,8 +317,10 @@ void LayerTracer::lift_off(Path& path, const glm::dvec3& normal) const {
     path.start = path.origin + 0x1p-20 * (1 + std::max({size.x, size.y, size.z})) * normal;
 }
 
-void LayerTracer::absorb(Path& path, double distance) const {
-    path.throughput *= glm::exp(-distance * scene_.state.water->absorption);
+/// Share of the light that the media on the path's next piece let through.
+glm::dvec3 LayerTracer::transmitted(const Path& path, double distance, bool in_water) const {
+    if (!in_water && !media_.bounded(false)) return glm::dvec3(1);
+    return glm::exp(-media_.optical_depth(path.origin, path.direction, distance, in_water));
 }
 
 void LayerTracer::note_depth(const Path& path, double distance) const {
@@ -335,7 +340,8 @@ void LayerTracer::note_piece(const Path& path, double distance, bool in_water) c
 void LayerTracer::end_in_environment(const Path& path) const {
     if (path.in_water || !wanted(path)) return;
     layer_.flags[path.pixel] = kEnvironment | (path.events > 0 ? kBehindSpecular : 0u);
-    layer_.throughput[path.pixel] = glm::vec3(path.throughput);
+    layer_.throughput[path.pixel] =
+        glm::vec3(path.throughput * transmitted(path, std::numeric_limits<double>::infinity(), false));
 }
 
 void LayerTracer::end_at_receiver(const Path& path, const rays::Hit& hit, const SurfacePoint& surface) const {
@@ -410,7 +416,7 @@ ReceiverLayer trace_layer(const scene::FrameScene& scene, const rays::RayScene& 
     const std::size_t tiles = LayerTracer::tiles(layer);
     const media::Media media(scene);
     SegmentRecorder recorder(media, segments ? tiles : 0);
-    const LayerTracer tracer(scene, rays, request, layer, segments ? &recorder : nullptr);
+    const LayerTracer tracer(scene, rays, media, request, layer, segments ? &recorder : nullptr);
     std::vector<LayerCounts> parts(tiles);
     parallel_for(tiles, 4, [&](std::size_t begin, std::size_t end) {
         for (std::size_t tile = begin; tile < end; ++tile) tracer.trace_tile(tile, parts[tile]);

@@ -27,12 +27,12 @@ bool camera_in_water(const scene::FrameScene& scene);
 /// samples).
 ///
 /// Throughput carries, from the pixel outwards, Fresnel's share, (n_from / n_to)^2 at each crossing (radiance
-/// scales by n^2), exp(-absorption d) on each way in water and the colour of each mirror. Open water goes on
-/// outside its rectangle as the flat plane y = 0. Paths that leave the scene in the air see the environment;
-/// those that leave it in the water, or meet more than kLongestChain events, end black (flags and throughput
-/// 0). Footprints are carried through refraction, reflection and the curvature of the interpolated normals
-/// (Igehy 1999); they are cut at 64 times the width of the beam, and at the length of the path (and 64 pixels
-/// of an orthographic picture).
+/// scales by n^2), exp(-optical depth) of the media on each way and the colour of each mirror. Open water
+/// goes on outside its rectangle as the flat plane y = 0. Paths that leave the scene in the air see the
+/// environment; those that leave it in the water, or meet more than kLongestChain events, end black (flags
+/// and throughput 0). Footprints are carried through refraction, reflection and the curvature of the
+/// interpolated normals (Igehy 1999); they are cut at 64 times the width of the beam, and at the length of
+/// the path (and 64 pixels of an orthographic picture).
 struct LayerRequest {
     int sample = 0;
     int branch = 0;

@@ -32,7 +32,7 @@ struct ReceiverLayer {
     std::vector<glm::vec3> geometric_normal;  ///< unit, towards the side that the path arrives from
     std::vector<glm::vec3> shading_normal;    ///< unit, same side
     std::vector<glm::vec3>
-        throughput;             ///< of the path from the pixel to its end: Fresnel, mirrors, absorption, n^2
+        throughput;             ///< of the path from the pixel to its end: Fresnel, mirrors, extinction, n^2
     std::vector<glm::vec2> uv;  ///< of the object's texture
     std::vector<float> uv_width;  ///< extent of the footprint in uv
     std::vector<float> depth;     ///< m along the camera's axis to the first surface hit; infinite: none

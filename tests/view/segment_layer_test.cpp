@@ -183,8 +183,9 @@ TEST(SegmentLayer, PiecesEndOnMirrorsAndGoOnBehindThem) {
     scene::Object& mirror = scene.add(scene::Shape::plane, {0, -2, 0}, {20, 1, 20});
     mirror.transform.rotation = {0, 0, M_PI / 2};
     mirror.material.mirror = true;
-    mirror.material.color = {0.9, 0.8, 0};
-    scene.add_floor(-4);
+    const glm::dvec3 color(0.9, 0.8, 0);
+    mirror.material.color = color;
+    scene.add_floor(-4);  // moves the mirror in memory
     const scene::Water water = scatter(scene.fill_flat(40));
     const SegmentLayer layer = trace(scene).segments;
     ASSERT_EQ(layer.segments(), 50u);
@@ -194,8 +195,7 @@ TEST(SegmentLayer, PiecesEndOnMirrorsAndGoOnBehindThem) {
         const double to_mirror = 3 / direction.x;
         EXPECT_NEAR(layer.length[i], to_mirror, kFloat * to_mirror);
         EXPECT_NEAR(layer.length[i + 1], -2 / direction.y - to_mirror, 1e-5);
-        expect_near(layer.throughput[i + 1],
-                    mirror.material.color * glm::exp(-to_mirror * water.extinction()));
+        expect_near(layer.throughput[i + 1], color * glm::exp(-to_mirror * water.extinction()));
         EXPECT_NEAR(layer.direction[i + 1].x, -direction.x, 1e-6);
     }
 }
