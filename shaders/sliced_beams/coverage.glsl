@@ -1,5 +1,6 @@
 // Coverage of one footprint by one landed beam: the arithmetic of src/methods/sliced_beams/coverage.h, beam by beam.
 // All of it is precise, so that no compiler fuses or reorders what must round as it does there.
+#include "sliced_beams/quotient.glsl"
 
 // By comparison, as one or two instructions: what min and max owe to NaN costs more on some devices.
 float lesser(float x, float y) { return x < y ? x : y; }
@@ -13,7 +14,7 @@ float to_square(float x) { return lesser(greater(x, -0.5), 0.5); }
 // get the same number but for its sign.
 float area_below_edge(float x0, float y0, float x1, float y1, float base) {
     precise float run = x1 - x0;
-    precise float slope = run == 0.0 ? 0.0 : (y1 - y0) / run;
+    precise float slope = run == 0.0 ? 0.0 : quotient(y1 - y0, run);
     precise float from_x = to_square(x0), to_x = to_square(x1);
     precise float from = y0 + (from_x - x0) * slope;
     precise float to = y1 + (to_x - x1) * slope;
@@ -22,7 +23,7 @@ float area_below_edge(float x0, float y0, float x1, float y1, float base) {
     precise float below = lesser(to, -0.5) - lesser(from, -0.5);
     precise float rise = to - from;
     precise float integral = 0.5 * ((held_to - held_from) * (held_to + held_from) + (above - below));
-    precise float mean = rise == 0.0 ? held_from : integral / rise;
+    precise float mean = rise == 0.0 ? held_from : quotient(integral, rise);
     precise float area = (to_x - from_x) * (mean - base);
     return area;
 }
@@ -31,7 +32,7 @@ float area_below_edge(float x0, float y0, float x1, float y1, float base) {
 void clip_way(float start, float delta, inout vec2 range) {
     bool moving = delta != 0.0;
     float safe = moving ? delta : 1.0;
-    precise float t0 = (-0.5 - start) / safe, t1 = (0.5 - start) / safe;
+    precise float t0 = quotient(-0.5 - start, safe), t1 = quotient(0.5 - start, safe);
     bool inside = abs(start) <= 0.5;
     range.x = moving ? max(range.x, min(t0, t1)) : (inside ? range.x : 1.0);
     range.y = moving ? min(range.y, max(t0, t1)) : (inside ? range.y : 0.0);
@@ -89,7 +90,7 @@ float covered_share(vec3 x, vec3 y) {
             precise float area = area_below_edge(x.x, y.x, x.y, y.y, base);
             area += area_below_edge(x.y, y.y, x.z, y.z, base);
             area += area_below_edge(x.z, y.z, x.x, y.x, base);
-            share = abs(area) / whole;
+            share = quotient(abs(area), whole);
         }
         share = lies_within_square(low, high) ? 1.0 : lesser(share, 1.0);
     }

@@ -1,4 +1,5 @@
 // Landing of beams: the arithmetic of src/methods/sliced_beams/landing.h and exponential.h, beam by beam.
+#include "sliced_beams/quotient.glsl"
 
 // e^-x for x >= 0: the device's own exp may be coarse.
 float decay(float x) {
@@ -24,7 +25,8 @@ bool land_ray(CoverageRay ray, CoverageFrame frame, out vec2 landed, out float w
     precise float b = ray.pass.y + frame.position.z * ray.pass.w - frame.position.y;
     precise float facing = frame.normal.x * ray.pass.z + frame.normal.y * ray.pass.w + frame.normal.z;
     bool meets = facing < -1e-4;  // nearer to the plane's direction it lands too far off to say anything
-    precise float further = (frame.normal.x * a + frame.normal.y * b) / (meets ? -facing : 1.0);
+    precise float offset = frame.normal.x * a + frame.normal.y * b;
+    precise float further = quotient(offset, meets ? -facing : 1.0);
     precise float x = frame.along_x.x * a + frame.along_x.y * b +
                       further * (frame.along_x.x * ray.pass.z + frame.along_x.y * ray.pass.w + frame.along_x.z);
     precise float y = frame.along_y.x * a + frame.along_y.y * b +

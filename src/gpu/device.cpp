@@ -344,11 +344,20 @@ std::uint64_t Device::largest_storage_range() const {
 vk::raii::DeviceMemory Device::State::allocate(const vk::MemoryRequirements& requirements,
                                                vk::MemoryPropertyFlags required,
                                                vk::MemoryPropertyFlags preferred) const {
-    for (const auto wanted : {required | preferred, required})
+    const auto allocated = [&](vk::MemoryPropertyFlags wanted) -> std::optional<vk::raii::DeviceMemory> {
         for (std::uint32_t i = 0; i < memory.memoryTypeCount; ++i)
             if ((requirements.memoryTypeBits >> i & 1u) &&
                 (memory.memoryTypes[i].propertyFlags & wanted) == wanted)
-                return {device, {.allocationSize = requirements.size, .memoryTypeIndex = i}};
+                return vk::raii::DeviceMemory(device,
+                                              {.allocationSize = requirements.size, .memoryTypeIndex = i});
+        return std::nullopt;
+    };
+    try {
+        if (auto found = allocated(required | preferred)) return std::move(*found);
+    } catch (const vk::OutOfDeviceMemoryError&) {
+        // The heap that is preferred may be a small window into the device; the required one is not.
+    }
+    if (auto found = allocated(required)) return std::move(*found);
     throw Error(ExitCode::device, "the Vulkan device has no memory of the kind that is needed");
 }
 

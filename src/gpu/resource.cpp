@@ -33,7 +33,8 @@ std::size_t bytes_per_texel(Format format) {
     }
 }
 
-Buffer::Buffer(Device& device, std::string_view name, std::size_t bytes) : state_(std::make_unique<State>()) {
+Buffer::Buffer(Device& device, std::string_view name, std::size_t bytes, BufferMemory memory)
+    : state_(std::make_unique<State>()) {
     constexpr std::size_t kSmallest = 16;  // Vulkan has no empty buffers
     const std::string what = "buffer '" + std::string(name) + "' of " + std::to_string(bytes) + " bytes";
     if (bytes > device.state().largest_buffer)
@@ -50,8 +51,9 @@ Buffer::Buffer(Device& device, std::string_view name, std::size_t bytes) : state
                                .usage = Usage::eStorageBuffer | Usage::eVertexBuffer | Usage::eIndexBuffer |
                                         Usage::eIndirectBuffer | Usage::eTransferSrc | Usage::eTransferDst});
         using Memory = vk::MemoryPropertyFlagBits;
-        s.memory = s.device->allocate(s.buffer.getMemoryRequirements(),
-                                      Memory::eHostVisible | Memory::eHostCoherent, Memory::eHostCached);
+        s.memory =
+            s.device->allocate(s.buffer.getMemoryRequirements(), Memory::eHostVisible | Memory::eHostCoherent,
+                               memory == BufferMemory::device ? Memory::eDeviceLocal : Memory::eHostCached);
         s.buffer.bindMemory(*s.memory, 0);
         s.mapped = s.memory.mapMemory(0, VK_WHOLE_SIZE);
         s.device->set_name(*s.buffer, name);

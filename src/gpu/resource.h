@@ -10,6 +10,12 @@
 
 namespace dapple::gpu {
 
+/// Where a buffer's memory should lie; a matter of speed only.
+enum class BufferMemory {
+    host,    ///< cached for the host: for what it reads back
+    device,  ///< the device's own where the host can write into it: for what it only fills, in order
+};
+
 /// A storage, vertex, index and indirect buffer that the host reads and writes through one lasting mapping of
 /// host-visible, coherent memory. Every Vulkan device has such memory, so there is one path; where it lies
 /// across a bus it is correct and slow. The host may touch it whenever no PassList::run is under way. New
@@ -17,7 +23,8 @@ namespace dapple::gpu {
 /// uses it. Throws Error(device) where memory ends.
 class Buffer {
 public:
-    Buffer(Device& device, std::string_view name, std::size_t bytes);
+    Buffer(Device& device, std::string_view name, std::size_t bytes,
+           BufferMemory memory = BufferMemory::host);
     ~Buffer();
     Buffer(Buffer&&) noexcept;
     Buffer& operator=(Buffer&&) noexcept;

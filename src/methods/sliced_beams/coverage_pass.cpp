@@ -48,23 +48,28 @@ struct Chunk {
 /// A buffer that grows to what is asked for.
 class Grown {
 public:
+    Grown(gpu::BufferMemory memory = gpu::BufferMemory::device) : memory_(memory) {}
+
     gpu::Buffer& of(gpu::Device& device, std::string_view name, std::size_t bytes) {
         // A quarter more, so that like batches share a buffer; never past what a binding holds.
         if (!buffer_ || buffer_->bytes() < bytes)
             buffer_.emplace(
                 device, name,
-                std::max(bytes, std::min<std::size_t>(bytes + bytes / 4, device.largest_storage_range())));
+                std::max(bytes, std::min<std::size_t>(bytes + bytes / 4, device.largest_storage_range())),
+                memory_);
         return *buffer_;
     }
     gpu::Buffer& operator*() { return *buffer_; }
 
 private:
+    gpu::BufferMemory memory_;
     std::optional<gpu::Buffer> buffer_;
 };
 
 /// What one sheet and kind needs on the device for a batch.
 struct BatchBuffers {
-    Grown clusters, frames, landed, blocks, list, receivers, irradiance;
+    Grown clusters, frames, landed, blocks, list, receivers;
+    Grown irradiance{gpu::BufferMemory::host};
 };
 
 /// Sizes of works one after another.
@@ -156,12 +161,13 @@ bool CoveragePass::begin(Sheets sheets) {
     const std::size_t vertices = sheets.front()->sheet().rays.size();
     if (std::max(triangles.size_bytes(), vertices * sizeof(CoverageRay)) > s.device.largest_storage_range())
         return false;
-    s.triangles.emplace(s.device, "water triangles", triangles.size_bytes());
+    constexpr auto device_memory = gpu::BufferMemory::device;
+    s.triangles.emplace(s.device, "water triangles", triangles.size_bytes(), device_memory);
     std::copy(triangles.begin(), triangles.end(), s.triangles->as<glm::uvec3>().begin());
     for (const auto& coverage : sheets) {
         const light::BeamSheet<float>& sheet = coverage->sheet();
-        gpu::Buffer rays(s.device, "rays", vertices * sizeof(CoverageRay));
-        gpu::Buffer flux(s.device, "flux", sheet.flux.size() * sizeof(float));
+        gpu::Buffer rays(s.device, "rays", vertices * sizeof(CoverageRay), device_memory);
+        gpu::Buffer flux(s.device, "flux", sheet.flux.size() * sizeof(float), device_memory);
         const std::span<CoverageRay> to = rays.as<CoverageRay>();
         parallel_for(vertices, kVertices, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
