@@ -13,7 +13,7 @@ struct FlatWaterLight {
     glm::dvec3 from;         ///< unit, of travel in the air, towards `entry`
     double source_distance;  ///< m from the light to `entry`; infinite for a sun
     /// Irradiance on a plane that faces `direction`, of a light of unit irradiance or intensity, after
-    /// Fresnel and before absorption: [1] for a sun, [1/m^2] else.
+    /// Fresnel and before extinction: [1] for a sun, [1/m^2] else.
     double transport;
     double water_distance;  ///< m from `entry` to the receiver
 };

@@ -210,11 +210,12 @@ private:
             shading.caustics = std::move(results[i]);
             const std::vector<glm::vec3> dark(layers[i].pixels(), glm::vec3(0));
             shading.albedo = kept_.albedo.albedo(scene_, layers[i]);
-            shading.direct = plan_.direct_light ? direct_irradiance(scene_, rays_, layers[i]) : dark;
+            shading.direct = plan_.direct_light ? direct_irradiance(scene_, media_, rays_, layers[i]) : dark;
             shading.sky = plan_.sky_light ? sky_irradiance(scene_, layers[i]) : dark;
-            shading.flat_water = plan_.flat_water_stand_in ? flat_water_irradiance(scene_, rays_, layers[i],
-                                                                                   shading.caustics.covered)
-                                                           : dark;
+            shading.flat_water =
+                plan_.flat_water_stand_in
+                    ? flat_water_irradiance(scene_, media_, rays_, layers[i], shading.caustics.covered)
+                    : dark;
             shading.volume_direct = std::move(traced[i].volume_direct);
             shading.volume_caustics = std::move(traced[i].volume_caustics);
             shading.volume_data = std::move(traced[i].volume_data);

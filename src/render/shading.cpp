@@ -60,26 +60,30 @@ std::vector<glm::vec3> by_tiles(
 }
 
 /// Direct light of one source at a pixel's receiver; empty irradiance where it faces away.
-Candidate direct_candidate(const scene::FrameScene& scene, const view::ReceiverLayer& layer,
-                           std::size_t pixel, const scene::Light& light, glm::dvec3 direction) {
+Candidate direct_candidate(const scene::FrameScene& scene, const media::Media& media,
+                           const view::ReceiverLayer& layer, std::size_t pixel, const scene::Light& light,
+                           glm::dvec3 direction) {
     Candidate candidate{pixel, {}, glm::vec3(0)};
     const glm::dvec3 position = glm::dvec3(layer.position[pixel]) + scene.origin;
     glm::dvec3 strength = light.irradiance;
-    float far = std::numeric_limits<float>::infinity();
+    double distance = std::numeric_limits<double>::infinity();
+    auto far = static_cast<float>(distance);
     if (light.type != scene::LightType::sun) {
         const glm::dvec3 way = position - light.position;
-        const double distance = glm::length(way);
+        distance = glm::length(way);
         if (distance == 0) return candidate;
         direction = way / distance;
         strength = light.intensity * (spot_falloff(light, direction) / (distance * distance));
         far = static_cast<float>(distance * (1 - 1e-6));
-        if (layer.flags[pixel] & view::kInWater) {
-            strength *= glm::exp(-distance * scene.state.water->absorption);
-        }
     }
     const double facing = -glm::dot(direction, glm::dvec3(layer.geometric_normal[pixel]));
     const double cosine = -glm::dot(direction, glm::dvec3(layer.shading_normal[pixel]));
     if (facing <= 0 || cosine <= 0) return candidate;
+    const bool in_water = layer.flags[pixel] & view::kInWater;
+    if (in_water || media.bounded(false)) {
+        strength *=
+            glm::exp(-media.optical_depth(glm::dvec3(layer.position[pixel]), -direction, distance, in_water));
+    }
     candidate.irradiance = glm::vec3(cosine * strength);
     candidate.ray = {shadow_origin(layer, pixel), 0, glm::vec3(-direction), far};
     return candidate;
@@ -103,8 +107,8 @@ bool light_in_water(const scene::FrameState& state, const scene::Light& light) {
            in_extent(state.water->extent, light.position);
 }
 
-std::vector<glm::vec3> direct_irradiance(const scene::FrameScene& scene, const rays::RayScene& rays,
-                                         const view::ReceiverLayer& layer) {
+std::vector<glm::vec3> direct_irradiance(const scene::FrameScene& scene, const media::Media& media,
+                                         const rays::RayScene& rays, const view::ReceiverLayer& layer) {
     return by_tiles(layer, [&](std::size_t begin, std::size_t end, std::vector<glm::vec3>& irradiance) {
         std::vector<Candidate> candidates;
         for (const scene::Light& light : scene.state.lights) {
@@ -116,7 +120,7 @@ std::vector<glm::vec3> direct_irradiance(const scene::FrameScene& scene, const r
             for (std::size_t pixel = begin; pixel < end; ++pixel) {
                 const std::uint32_t flags = layer.flags[pixel];
                 if (!(flags & view::kReceiver) || in_water != bool(flags & view::kInWater)) continue;
-                const Candidate candidate = direct_candidate(scene, layer, pixel, light, direction);
+                const Candidate candidate = direct_candidate(scene, media, layer, pixel, light, direction);
                 if (candidate.irradiance != glm::vec3(0)) candidates.push_back(candidate);
             }
             std::vector<std::uint8_t> blocked(candidates.size(), 0);
@@ -128,8 +132,8 @@ std::vector<glm::vec3> direct_irradiance(const scene::FrameScene& scene, const r
     });
 }
 
-std::vector<glm::vec3> flat_water_irradiance(const scene::FrameScene& scene, const rays::RayScene& rays,
-                                             const view::ReceiverLayer& layer,
+std::vector<glm::vec3> flat_water_irradiance(const scene::FrameScene& scene, const media::Media& media,
+                                             const rays::RayScene& rays, const view::ReceiverLayer& layer,
                                              const std::vector<std::uint8_t>& covered) {
     return by_tiles(layer, [&](std::size_t begin, std::size_t end, std::vector<glm::vec3>& irradiance) {
         std::vector<Candidate> in_water, in_air;
@@ -149,8 +153,11 @@ std::vector<glm::vec3> flat_water_irradiance(const scene::FrameScene& scene, con
                 if (facing <= 0 || cosine <= 0) continue;
                 const glm::dvec3 strength =
                     light.type == scene::LightType::sun ? light.irradiance : light.intensity;
-                const glm::dvec3 transmitted = glm::exp(-flat->water_distance * water.absorption);
-                const glm::vec3 arriving(cosine * flat->transport * strength * transmitted);
+                const glm::dvec3 depth = media.optical_depth(glm::dvec3(layer.position[pixel]),
+                                                             -flat->direction, flat->water_distance, true) +
+                                         media.optical_depth(flat->entry - scene.origin, -flat->from,
+                                                             flat->source_distance, false);
+                const glm::vec3 arriving(cosine * flat->transport * strength * glm::exp(-depth));
                 const glm::vec3 entry(flat->entry - scene.origin);
                 in_water.push_back({pixel,
                                     {shadow_origin(layer, pixel), 0, glm::vec3(-flat->direction),

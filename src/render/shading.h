@@ -2,6 +2,7 @@
 #include <glm/glm.hpp>
 #include <vector>
 
+#include "media/media.h"
 #include "rays/ray_scene.h"
 #include "scene/frame_scene.h"
 #include "view/receiver_layer.h"
@@ -16,16 +17,16 @@ glm::dvec3 sun_direction(const scene::Light& light, int sample, int samples);
 bool light_in_water(const scene::FrameState& state, const scene::Light& light);
 
 /// E_direct [W/m^2], an entry a pixel: light that reaches the receivers without a specular event, from lights
-/// in the same medium, shadowed by objects. A sun with a disc is sampled in one direction a layer, from a set
-/// fixed by the layer's sample, equal for all pixels and frames.
-std::vector<glm::vec3> direct_irradiance(const scene::FrameScene& scene, const rays::RayScene& rays,
-                                         const view::ReceiverLayer& layer);
+/// on the same side of the water, shadowed by objects and dimmed by media. A sun with a disc is sampled in
+/// one direction a layer, from a set fixed by the layer's sample, equal for all pixels and frames.
+std::vector<glm::vec3> direct_irradiance(const scene::FrameScene& scene, const media::Media& media,
+                                         const rays::RayScene& rays, const view::ReceiverLayer& layer);
 
 /// Stand-in for E [W/m^2] at receivers in the water that the method does not cover (`covered` 0), or whose
 /// light would enter an open water outside its extent, where no light is cast: what flat water would let
-/// through, shadowed by objects on both sides of the surface. 0 elsewhere.
-std::vector<glm::vec3> flat_water_irradiance(const scene::FrameScene& scene, const rays::RayScene& rays,
-                                             const view::ReceiverLayer& layer,
+/// through, shadowed by objects and dimmed by media on both sides of the surface. 0 elsewhere.
+std::vector<glm::vec3> flat_water_irradiance(const scene::FrameScene& scene, const media::Media& media,
+                                             const rays::RayScene& rays, const view::ReceiverLayer& layer,
                                              const std::vector<std::uint8_t>& covered);
 
 /// E_sky [W/m^2] (CONVENTIONS.md, "Light").

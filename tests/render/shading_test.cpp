@@ -36,7 +36,7 @@ TEST(FlatWaterStandIn, DoesNotCountTwiceWhatTheMethodCovers) {
         scene.state.water->extent.kind = kind;
         std::vector<float> red;
         for (const glm::vec3& value : render::flat_water_irradiance(
-                 scene, rays, layer, std::vector<std::uint8_t>(layer.pixels(), covered)))
+                 scene, media::Media(scene), rays, layer, std::vector<std::uint8_t>(layer.pixels(), covered)))
             red.push_back(value.x);
         return red;
     };
@@ -49,6 +49,82 @@ TEST(FlatWaterStandIn, DoesNotCountTwiceWhatTheMethodCovers) {
     expect(stand_in(pool, 0), {false, true, true, true, false});
     expect(stand_in(open_water, 1), {true, false, false, false, true});
     expect(stand_in(open_water, 0), {true, true, true, true, true});
+}
+
+/// A slab of fog, 100 m wide, about height `y`.
+scene::Medium fog(double y, double thickness) {
+    scene::Medium medium;
+    medium.type = scene::MediumType::box;
+    medium.size = {100, thickness, 100};
+    medium.transform.position.y = y;
+    medium.extinction = {0.5, 1, 2};
+    return medium;
+}
+
+void expect_near(const glm::vec3& found, const glm::dvec3& expected) {
+    for (int c = 0; c < 3; ++c)
+        EXPECT_NEAR(static_cast<double>(found[c]), expected[c], 2e-7 * expected[c]);  // round-off to float
+}
+
+TEST(FlatWaterStandIn, IsDimmedOnBothSidesOfTheSurface) {
+    scene::FrameScene scene;
+    scene.state = test::pool_over_floor(100, 2, 1, 8);
+    scene.state.water->scattering = {0.1, 0.2, 0.3};
+    const scene::Light sun = test::sun_from_zenith(40);
+    scene.state.lights = {sun};
+    scene.state.media = {fog(0.2, 1)};  // from 0.7 m above the rest plane to 0.3 m below
+    scene.object_meshes.resize(1);
+    const rays::RayScene rays(scene);
+    const test::FlatFloor floor = test::flat_floor(40, 2, scene.state.water->refractive_index);
+    const double in_fog = 0.7 / std::cos(glm::radians(40.0)) + 0.3 / 2 * floor.way;
+    const auto found =
+        render::flat_water_irradiance(scene, media::Media(scene), rays, floor_points({0, 1}, -2), {0, 0});
+    for (const glm::vec3& value : found)
+        expect_near(value, sun.irradiance * floor.irradiance *
+                               glm::exp(-floor.way * scene.state.water->extinction() -
+                                        in_fog * scene.state.media[0].extinction));
+}
+
+TEST(DirectLight, IsDimmedByMediaInTheAir) {
+    scene::FrameScene scene;
+    scene.origin = {5, 0, -3};
+    scene::Light sun = test::sun_from_zenith(30), lamp;
+    lamp.type = scene::LightType::point;
+    lamp.position = scene.origin + glm::dvec3(0, 3, 0);
+    lamp.intensity = {9, 18, 27};
+    scene.state.media = {fog(1, 0.5)};
+    scene.state.media[0].transform.position += scene.origin;
+    const rays::RayScene rays(scene);
+    view::ReceiverLayer layer = floor_points({0}, 0);
+    layer.flags[0] = view::kReceiver;
+    const glm::dvec3 extinction = scene.state.media[0].extinction;
+    const double cosine = std::cos(glm::radians(30.0));
+    scene.state.lights = {sun};
+    expect_near(render::direct_irradiance(scene, media::Media(scene), rays, layer)[0],
+                cosine * sun.irradiance * glm::exp(-0.5 / cosine * extinction));
+    scene.state.lights = {lamp};
+    expect_near(render::direct_irradiance(scene, media::Media(scene), rays, layer)[0],
+                lamp.intensity / 9.0 * glm::exp(-0.5 * extinction));
+    scene.state.lights[0].position.y = 1;  // in the fog
+    expect_near(render::direct_irradiance(scene, media::Media(scene), rays, layer)[0],
+                lamp.intensity * glm::exp(-0.25 * extinction));
+}
+
+TEST(DirectLight, IsDimmedByTheWaterAndWhatIsInIt) {
+    scene::FrameScene scene;
+    scene.state = test::pool_over_floor(100, 4, 1, 8);
+    scene.state.water->scattering = {0.1, 0.2, 0.3};
+    scene::Light lamp;
+    lamp.type = scene::LightType::point;
+    lamp.position = {0, -1, 0};
+    lamp.intensity = {9, 18, 27};
+    scene.state.lights = {lamp};
+    scene.state.media = {fog(-2, 0.5)};
+    scene.object_meshes.resize(1);
+    const rays::RayScene rays(scene);
+    expect_near(render::direct_irradiance(scene, media::Media(scene), rays, floor_points({0}, -4))[0],
+                lamp.intensity / 9.0 *
+                    glm::exp(-3.0 * scene.state.water->extinction() - 0.5 * scene.state.media[0].extinction));
 }
 
 }  // namespace
