@@ -2,46 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <functional>
 #include <utility>
-
-#include "base/parallel.h"
 
 namespace dapple::judge {
 namespace {
 
-constexpr int kSmallestBlock = 8;    // pixels
-constexpr int kBlocksASide = 64;     // at most: what is kept of a frame has a bound
 constexpr double kFewBlocks = 0.25;  // the share up to which blocks are a region, not the frame
 constexpr double kUneven = 0.6;
-constexpr std::size_t kTilePixels = 1 << 14;
-constexpr auto kFloor = static_cast<float>(JumpFinder::kBlockFloor);
-
-float middle(float a, float b, float c) {
-    return std::max(std::min(a, b), std::min(std::max(a, b), c));
-}
-
-/// Upper median; 0 of nothing. Reorders.
-template <typename T>
-T median_of(std::vector<T>& values) {
-    if (values.empty()) return 0;
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::ranges::nth_element(values, middle);
-    return *middle;
-}
-
-/// Where a frame differs from one neighbour far more than from the other, it is the other side of something
-/// that happens to that neighbour, or between the two; where it differs from both alike, it is alone.
-float evenness(float a, float b, float floor) {
-    const float more = std::max(a, b);
-    return more > 0 ? std::min(1.0f, (2 * std::min(a, b) + floor) / more) : 1.0f;
-}
-
-/// What shows in one frame only: 0 for a value between its neighbours'; with its sign.
-float alone(float before, float now, float after, float floor) {
-    return (now - middle(before, now, after)) *
-           evenness(std::abs(now - before), std::abs(after - now), floor);
-}
 
 /// The second largest, so that another event close by does not count as usual; the larger of two.
 float second_largest(std::vector<float>& values) {
@@ -60,54 +28,35 @@ Box united(const Box& a, const Box& b) {
 }  // namespace
 
 JumpFinder::JumpFinder(int width, int height, double level)
-    : width_(width), height_(height), level_(static_cast<float>(level)) {
-    block_ = std::max(kSmallestBlock, (std::max(width, height) + kBlocksASide - 1) / kBlocksASide);
-    columns_ = (width + block_ - 1) / block_;
-    rows_ = (height + block_ - 1) / block_;
-}
-
-JumpFinder::Plane JumpFinder::plane_of(const metrics::Picture& picture,
-                                       const metrics::Picture* reference) const {
-    const auto bounded = [this](float luminance) {
-        return luminance > 0 ? luminance / (luminance + level_) : 0;
-    };
-    Plane plane(picture.pixels());
-    parallel_for(plane.size(), kTilePixels, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            plane[i] = bounded(picture.luminance[i]);
-            if (reference != nullptr) plane[i] -= bounded(reference->luminance[i]);
-        }
-    });
-    // NaN takes a pixel out of all that follows.
-    for (const std::uint32_t pixel : picture.excluded) plane[pixel] = std::numeric_limits<float>::quiet_NaN();
-    return plane;
-}
+    : grid_(width, height), has_light_(static_cast<float>(level) > 0), meter_(grid_, level) {}
 
 void JumpFinder::add(std::int64_t frame, const metrics::Picture& picture, const metrics::Picture* reference) {
-    add_plane(frame, false, plane_of(picture, reference));
+    if (has_light_) measure(frame, false, picture, reference);
 }
 
 void JumpFinder::add_repeat(std::int64_t frame, const metrics::Picture& picture,
                             const metrics::Picture* reference) {
-    add_plane(frame, true, plane_of(picture, reference));
+    if (has_light_) measure(frame, true, picture, reference);
 }
 
 void JumpFinder::add_gap(std::int64_t frame) {
-    add_plane(frame, false, {});
+    if (!has_light_) return;
+    signals_.emplace_back().frame = frame;
+    meter_.add_gap();
+    judge_ready();
 }
 
-void JumpFinder::add_plane(std::int64_t frame, bool repeat, Plane plane) {
-    if (!(level_ > 0)) return;
-    planes_.push_back(std::move(plane));
-    if (planes_.size() > 3) planes_.pop_front();
-    signals_.emplace_back();
-    signals_.back().frame = frame;
-    signals_.back().repeat = repeat;
-    const std::size_t planes = planes_.size();
-    if (planes >= 2 && !planes_[planes - 2].empty() && !planes_[planes - 1].empty()) {
-        compare_with_before(signals_.back());
-        if (planes == 3 && !planes_[0].empty()) compare_with_both(signals_[signals_.size() - 2]);
-    }
+void JumpFinder::measure(std::int64_t frame, bool repeat, const metrics::Picture& picture,
+                         const metrics::Picture* reference) {
+    Signals* const before = signals_.empty() ? nullptr : &signals_.back();
+    Signals& signals = signals_.emplace_back();
+    signals.frame = frame;
+    signals.repeat = repeat;
+    meter_.add(picture, reference, signals, before);
+    judge_ready();
+}
+
+void JumpFinder::judge_ready() {
     // The neighbours' own signals need one frame more.
     while (signals_.size() > next_ + kReach + 1) judge_next();
 }
@@ -116,113 +65,6 @@ std::vector<Jump> JumpFinder::finish() {
     while (next_ < signals_.size()) judge_next();
     std::ranges::stable_sort(jumps_, {}, &Jump::frame);
     return std::move(jumps_);
-}
-
-/// body(block, its pixels), blocks in parallel.
-template <typename PerBlock>
-void JumpFinder::for_blocks(const PerBlock& body) const {
-    const auto row_of_blocks = static_cast<std::size_t>(columns_);
-    parallel_for(row_of_blocks * static_cast<std::size_t>(rows_), row_of_blocks,
-                 [&](std::size_t begin, std::size_t end) {
-                     for (std::size_t block = begin; block < end; ++block) body(block, box_of(block));
-                 });
-}
-
-/// body(block) for a block and those around it.
-template <typename PerBlock>
-void JumpFinder::for_neighbours(std::size_t block, const PerBlock& body) const {
-    const int column = static_cast<int>(block) % columns_;
-    const int row = static_cast<int>(block) / columns_;
-    for (int y = std::max(row - 1, 0); y <= std::min(row + 1, rows_ - 1); ++y) {
-        for (int x = std::max(column - 1, 0); x <= std::min(column + 1, columns_ - 1); ++x) {
-            const int neighbour = y * columns_ + x;
-            body(static_cast<std::size_t>(neighbour));
-        }
-    }
-}
-
-Box JumpFinder::box_of(std::size_t block) const {
-    const int x = static_cast<int>(block % static_cast<std::size_t>(columns_)) * block_;
-    const int y = static_cast<int>(block / static_cast<std::size_t>(columns_)) * block_;
-    return {x, y, std::min(block_, width_ - x), std::min(block_, height_ - y)};
-}
-
-void JumpFinder::compare_with_before(Signals& signals) const {
-    const Plane& before = planes_[planes_.size() - 2];
-    const Plane& now = planes_[planes_.size() - 1];
-    const auto blocks = static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_);
-    signals.change.assign(blocks, 0);
-    std::vector<double> sums(blocks), counts(blocks);
-    for_blocks([&](std::size_t block, const Box& box) {
-        Plane changes;
-        double sum = 0;
-        for (int y = box.y; y < box.y + box.height; ++y) {
-            const std::size_t row = static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
-                                    static_cast<std::size_t>(box.x);
-            for (std::size_t i = row; i < row + static_cast<std::size_t>(box.width); ++i) {
-                const float change = std::abs(now[i] - before[i]);
-                if (std::isnan(change)) continue;
-                changes.push_back(change);
-                sum += static_cast<double>(change);
-            }
-        }
-        sums[block] = sum;
-        counts[block] = static_cast<double>(changes.size());
-        signals.change[block] = median_of(changes);
-    });
-    double sum = 0, count = 0;
-    for (std::size_t block = 0; block < blocks; ++block) {
-        sum += sums[block];
-        count += counts[block];
-    }
-    signals.mean_change = count > 0 ? sum / count : 0;
-}
-
-void JumpFinder::compare_with_both(Signals& signals) const {
-    const Plane& before = planes_[0];
-    const Plane& now = planes_[1];
-    const Plane& after = planes_[2];
-    const auto blocks = static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_);
-    signals.lone.assign(blocks, 0);
-    signals.offset.assign(blocks, 0);
-    signals.bend.assign(blocks, 0);
-    struct Sums {
-        double before = 0, now = 0, after = 0, count = 0;
-    };
-    std::vector<Sums> sums(blocks);
-    for_blocks([&](std::size_t block, const Box& box) {
-        Plane lone;
-        Sums& sum = sums[block];
-        for (int y = box.y; y < box.y + box.height; ++y) {
-            const std::size_t row = static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
-                                    static_cast<std::size_t>(box.x);
-            for (std::size_t i = row; i < row + static_cast<std::size_t>(box.width); ++i) {
-                if (std::isnan(before[i] + now[i] + after[i])) continue;
-                lone.push_back(std::abs(now[i] - middle(before[i], now[i], after[i])));
-                sum.before += static_cast<double>(before[i]);
-                sum.now += static_cast<double>(now[i]);
-                sum.after += static_cast<double>(after[i]);
-            }
-        }
-        sum.count = static_cast<double>(lone.size());
-        if (lone.empty()) return;
-        const auto mean = [&](double total) { return static_cast<float>(total / sum.count); };
-        signals.lone[block] = median_of(lone);
-        signals.offset[block] = alone(mean(sum.before), mean(sum.now), mean(sum.after), kFloor);
-        signals.bend[block] = std::abs(mean(sum.now) - (mean(sum.before) + mean(sum.after)) / 2);
-    });
-    Sums all;
-    for (const Sums& sum : sums) {
-        all.before += sum.before;
-        all.now += sum.now;
-        all.after += sum.after;
-        all.count += sum.count;
-    }
-    if (all.count == 0) all.count = 1;
-    const auto mean = [&](double total) { return static_cast<float>(total / all.count); };
-    signals.mean_offset = static_cast<double>(
-        alone(mean(all.before), mean(all.now), mean(all.after), static_cast<float>(kFrameFloor)));
-    signals.mean_bend = std::abs(all.now - (all.before + all.after) / 2) / all.count;
 }
 
 void JumpFinder::judge_next() {
@@ -266,7 +108,7 @@ double JumpFinder::usual(Field field, Touched touched, const std::vector<std::si
     }
     float most = median_of(values);
     for (const std::size_t i : nearest) {
-        for_neighbours(
+        grid_.for_neighbours(
             block, [&](std::size_t neighbour) { most = std::max(most, (signals_[i].*field)[neighbour]); });
     }
     return static_cast<double>(most);
@@ -303,7 +145,8 @@ double JumpFinder::lone_score(std::size_t index, std::size_t block,
     double score = 0;
     if (lone > kLone * kBlockFloor) {
         const double change = usual(&Signals::change, {index, index + 1}, near_changes, block);
-        const float even = evenness(signals.change[block], signals_[index + 1].change[block], kFloor);
+        const float even = evenness(signals.change[block], signals_[index + 1].change[block],
+                                    static_cast<float>(kBlockFloor));
         score = lone * static_cast<double>(even) / (kLone * (change + kBlockFloor));
     }
     if (offset > kOffset * kBlockFloor) {
@@ -319,14 +162,14 @@ double JumpFinder::explained_share(std::size_t index, const std::vector<std::siz
     std::vector<bool> counted(signals.offset.size());
     double sum = 0;
     for (const std::size_t block : blocks) {
-        for_neighbours(block, [&](std::size_t neighbour) {
+        grid_.for_neighbours(block, [&](std::size_t neighbour) {
             if (counted[neighbour]) return;
             counted[neighbour] = true;
-            const Box box = box_of(neighbour);
+            const Box box = grid_.box_of(neighbour);
             sum += static_cast<double>(signals.offset[neighbour]) * box.width * box.height;
         });
     }
-    const double total = *signals.mean_offset * width_ * height_;
+    const double total = *signals.mean_offset * grid_.width * grid_.height;
     return total != 0 ? sum / total : 1;
 }
 
@@ -337,7 +180,7 @@ std::vector<std::size_t> JumpFinder::grouped(const std::vector<double>& scores, 
     for (std::size_t block = 0; block < scores.size(); ++block) {
         if (scores[block] < 1) continue;
         int marked = 0;
-        for_neighbours(block, [&](std::size_t neighbour) { marked += scores[neighbour] >= 1 ? 1 : 0; });
+        grid_.for_neighbours(block, [&](std::size_t neighbour) { marked += scores[neighbour] >= 1 ? 1 : 0; });
         if (marked > 1 || scores[block] >= single) blocks.push_back(block);
     }
     return blocks;
@@ -346,12 +189,12 @@ std::vector<std::size_t> JumpFinder::grouped(const std::vector<double>& scores, 
 /// Blocks of squares of two by two that are all marked.
 std::vector<std::size_t> JumpFinder::squares(const std::vector<double>& scores) const {
     std::vector<bool> counted(scores.size());
-    for (int row = 0; row + 1 < rows_; ++row) {
-        for (int column = 0; column + 1 < columns_; ++column) {
-            const int corner = row * columns_ + column;
+    for (int row = 0; row + 1 < grid_.rows; ++row) {
+        for (int column = 0; column + 1 < grid_.columns; ++column) {
+            const int corner = row * grid_.columns + column;
             const auto first = static_cast<std::size_t>(corner);
-            const std::size_t square[] = {first, first + 1, first + static_cast<std::size_t>(columns_),
-                                          first + static_cast<std::size_t>(columns_) + 1};
+            const std::size_t square[] = {first, first + 1, first + static_cast<std::size_t>(grid_.columns),
+                                          first + static_cast<std::size_t>(grid_.columns) + 1};
             if (!std::ranges::all_of(square, [&](std::size_t block) { return scores[block] >= 1; })) continue;
             for (const std::size_t block : square) counted[block] = true;
         }
@@ -369,7 +212,7 @@ Jump JumpFinder::region_jump(Jump::Kind kind, std::int64_t frame, const std::vec
     Jump jump{kind, frame, 0, {}};
     for (const std::size_t block : blocks) {
         jump.score = std::max(jump.score, scores[block]);
-        jump.region = united(jump.region, box_of(block));
+        jump.region = united(jump.region, grid_.box_of(block));
     }
     return jump;
 }
@@ -391,7 +234,8 @@ std::optional<Jump> JumpFinder::find_lone(std::size_t index) const {
     Jump jump = region_jump(Jump::Kind::pop, signals.frame, scores, blocks);
     const double share = static_cast<double>(blocks.size()) / static_cast<double>(scores.size());
     if (flash >= 1 && (share > kFewBlocks || explained_share(index, blocks) < 0.5)) {
-        jump = {Jump::Kind::flash, signals.frame, std::max(jump.score, flash), {0, 0, width_, height_}};
+        jump = {
+            Jump::Kind::flash, signals.frame, std::max(jump.score, flash), {0, 0, grid_.width, grid_.height}};
     }
     return jump;
 }
@@ -437,7 +281,7 @@ void JumpFinder::judge_step(std::size_t index) {
     if (nearest.size() < 2) return;
     const double score = step_score(index);
     if (score >= 1) {
-        jumps_.push_back({Jump::Kind::step, signals.frame, score, {0, 0, width_, height_}});
+        jumps_.push_back({Jump::Kind::step, signals.frame, score, {0, 0, grid_.width, grid_.height}});
         return;
     }
     std::vector<double> scores(signals.change.size());

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "judge/block_signals.h"
 #include "judge/box.h"
 #include "metrics/picture.h"
 
@@ -24,28 +25,20 @@ struct Jump {
     Box region;        ///< of the blocks that jump; the picture for flash and step
 };
 
-/// Finds jumps without false alarms from moving water, by comparing each frame with what its surroundings in
-/// space and time usually do. Luminance I is taken as v = I / (I + m), m the clip's level: bounded, so that a
-/// glint counts as one pixel, and without a unit; with a reference as v_I - v_R, in which the motion common
-/// to both is gone. Pictures are cut into blocks, and of a block are kept
+/// Finds jumps without false alarms from moving water, by comparing what is measured of each frame
+/// (BlockSignals) with what its surroundings in space and time usually do.
 ///
-///     change   median over pixels of |v_t - v_(t-1)|
-///     lone     median over pixels of |v_t - median(v_(t-1), v_t, v_(t+1))|
-///     offset   |x_t - median(x_(t-1), x_t, x_(t+1))|, x the block's mean
-///     bend     |x_t - (x_(t-1) + x_(t+1)) / 2|
-///
-/// A pixel that moves on smoothly lies between its neighbours in time, so `lone` and `offset` are near 0
-/// however fast water moves, and are not where something shows for one frame. A region pops where `lone`
-/// exceeds the usual `change`, or `offset` kOffset times the usual `bend`; a region steps where its `change`
-/// exceeds kRegionStep times the usual one. A block counts where one beside it does too, or where
-/// its score is kSingle; a step where four in a square do. What differs from one neighbour far more than from
-/// the other is weighed down: it belongs to that neighbour. "Usual" is the larger of the block's median over
-/// kReach frames to either side, and of the most, but for the one largest, that it and the blocks around it
-/// do in the nearest kNear frames of either side that neither the jump itself nor one before it touches. A
-/// frame flashes where its mean offset exceeds kFlash times the median mean bend, unless a region explains
-/// it, and steps where its mean change exceeds kStep times those of the nearest frames. All have floors. The
-/// first and the last frame of a clip, or before a gap, have one neighbour: what is odd about them is found
-/// as a step. Below 6 frames in a row nothing is usual, and nothing is found.
+/// A region pops where `lone` exceeds the usual `change`, or `offset` kOffset times the usual `bend`; a
+/// region steps where its `change` exceeds kRegionStep times the usual one. A block counts where one beside
+/// it does too, or where its score is kSingle; a step where four in a square do. What differs from one
+/// neighbour far more than from the other is weighed down: it belongs to that neighbour. "Usual" is the
+/// larger of the block's median over kReach frames to either side, and of the most, but for the one largest,
+/// that it and the blocks around it do in the nearest kNear frames of either side that neither the jump
+/// itself nor one before it touches. A frame flashes where its mean offset exceeds kFlash times the median
+/// mean bend, unless a region explains it, and steps where its mean change exceeds kStep times those of the
+/// nearest frames. All have floors. The first and the last frame of a clip, or before a gap, have one
+/// neighbour: what is odd about them is found as a step. Below 6 frames in a row nothing is usual, and
+/// nothing is found.
 class JumpFinder {
 public:
     /// `level`: m, of luminance; a clip of level 0 has no jumps.
@@ -69,37 +62,24 @@ public:
     static constexpr double kRegionStep = 3;
     static constexpr double kFlash = 8;
     static constexpr double kStep = 1.4;
-    static constexpr double kBlockFloor = 0.005;  ///< of v: added to what is usual in a block
-    static constexpr double kFrameFloor = 0.002;  ///< and in a frame
 
 private:
-    using Plane = std::vector<float>;
-    /// What is kept of a frame; vectors a value a block, empty where a neighbour is not there.
-    struct Signals {
+    struct Signals : BlockSignals {
         std::int64_t frame = 0;
         bool repeat = false;
         bool alone = false;  ///< found to flash or pop
         double alone_score = 0;
-        std::optional<double> mean_change;
-        Plane change;
-        std::optional<double> mean_offset, mean_bend;  ///< the offset has its sign
-        Plane lone, offset, bend;                      ///< the offset has its sign
     };
-    using Field = Plane Signals::*;
+    using Field = std::vector<float> Signals::*;
     using Mean = std::optional<double> Signals::*;
     /// Indices of signals that an event touches.
     struct Touched {
         std::size_t first = 0, last = 0;
     };
 
-    Plane plane_of(const metrics::Picture& picture, const metrics::Picture* reference) const;
-    void add_plane(std::int64_t frame, bool repeat, Plane plane);
-    template <typename PerBlock>
-    void for_blocks(const PerBlock& body) const;
-    void compare_with_before(Signals& signals) const;
-    void compare_with_both(Signals& signals) const;
-    template <typename PerBlock>
-    void for_neighbours(std::size_t block, const PerBlock& body) const;
+    void measure(std::int64_t frame, bool repeat, const metrics::Picture& picture,
+                 const metrics::Picture* reference);
+    void judge_ready();
     void judge_next();
     void judge_lone(std::size_t index);
     void judge_step(std::size_t index);
@@ -117,11 +97,10 @@ private:
     double usual(Field field, Touched touched, const std::vector<std::size_t>& nearest,
                  std::size_t block) const;
     std::vector<double> values_of(Mean mean, Touched touched) const;
-    Box box_of(std::size_t block) const;
 
-    int width_, height_, block_, columns_, rows_;
-    float level_;
-    std::deque<Plane> planes_;     ///< of the last three frames, the newest last; an empty one is a gap
+    BlockGrid grid_;
+    bool has_light_;  ///< a level above 0
+    SignalMeter meter_;
     std::deque<Signals> signals_;  ///< from kReach frames before the next to judge
     std::size_t next_ = 0;         ///< index in signals_ of the next frame to judge
     std::vector<Jump> jumps_;
