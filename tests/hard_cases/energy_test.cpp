@@ -213,6 +213,33 @@ TEST(SetSun, SendsNothing) {
     }
 }
 
+/// Under a trough in the middle of a column of cells rays part to both sides, those of each beam too. A wall
+/// that runs within that column meets some of the rays of these beams, and of no others.
+TEST(Walls, WhatTheyMissOfBeamsThatPartIsCounted) {
+    constexpr double kCell = 0.1, kTop = 0.1, kFloor = 4;
+    scene::FrameState state = test::clear_sea(6, 0, 60);
+    const double k = glm::two_pi<double>() / 1.6;
+    state.water->surface.waves.waves = {test::wave(1.6, 0, 0.08, glm::pi<double>() - k * kCell / 2)};
+    const CaughtLight passed(state, Event::transmission);
+    // Across the column at a small angle, so that it lies anywhere within the parts that beams are counted
+    // by.
+    const glm::dvec3 from(0.6 * kCell, 0, -1), along(0.35 * kCell, 0, 2), down(0, -1, 0);
+    // What comes to lie beyond the wall from one level to another has crossed it from its front.
+    const auto beyond = [&](double depth) { return passed.on({from + depth * down, {5, 0, 0}, along}, 128); };
+    const double crossing = beyond(kFloor) - beyond(kTop);
+    EXPECT_EQ(passed.parted(), 0) << "no ray meets a level plane from below";
+    const glm::dvec3 height = (kTop - kFloor) * down;
+    const double front = passed.on({from + kFloor * down, height, along}, 128);
+    const double missed = passed.parted();
+    const double back = passed.on({from + kFloor * down, along, height}, 128);
+    printf("parted beams: %.4g W cross, %.4g W missed\n", crossing, missed);
+    EXPECT_EQ(front, 0);
+    EXPECT_EQ(back, 0);
+    // Each of 40 beams is counted by 16 parts, of which a seventh land on the wall.
+    EXPECT_NEAR(missed, crossing, 0.05 * crossing);
+    EXPECT_EQ(passed.parted(), missed) << "no ray meets the back";
+}
+
 /// Light of flat water on slopes: E of a plane is level E times the way's cosine to it over that to the
 /// level.
 TEST(Shore, CatchesTheLightUpToTheWaterLine) {

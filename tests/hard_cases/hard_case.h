@@ -70,6 +70,8 @@ public:
 
     /// W in the red channel, of the beams.
     double carried() const { return carried_; }
+    /// What the catchers asked for so far miss of beams that meet their planes from both sides, W.
+    double parted() const { return counts_.parted; }
     /// A count of the stats of a light that is white, W.
     double lost(const std::string& name) const { return stats_.counted(name); }
     /// All that no beam carries.

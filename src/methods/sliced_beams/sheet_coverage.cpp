@@ -58,6 +58,7 @@ void QueryCounts::add(const QueryCounts& other) {
     whole_nodes += other.whole_nodes;
     occluded_tiles += other.occluded_tiles;
     shadow_rays += other.shadow_rays;
+    parted += other.parted;
 }
 
 void QueryCounts::report(FrameStats& stats) const {
@@ -65,6 +66,7 @@ void QueryCounts::report(FrameStats& stats) const {
     stats.count("nodes added whole", static_cast<double>(whole_nodes));
     stats.count("tiles with occluders", static_cast<double>(occluded_tiles));
     stats.count("caustic shadow rays", static_cast<double>(shadow_rays));
+    if (parted > 0) stats.count("lost to planes met from both sides, W", parted);
 }
 
 template <class Real>

@@ -22,6 +22,8 @@ struct QueryCounts {
     std::size_t whole_nodes = 0;     ///< added by their sums
     std::size_t occluded_tiles = 0;  ///< with an object in their light volume: pairs are tested
     std::size_t shadow_rays = 0;
+    /// W that no receiver gets of beams of which only some rays meet its plane from the front.
+    double parted = 0;
 
     void add(const QueryCounts& other);
     void report(FrameStats& stats) const;

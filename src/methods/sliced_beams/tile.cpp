@@ -36,11 +36,13 @@ void Tile<Real>::place_receivers(std::span<const Receiver<Real>> receivers) {
     least_a_ = least_b_ = infinity;
     locals_.reserve(receivers.size());
     for (std::size_t i = 0; i < receivers.size(); ++i) {
-        Local local{sheet_.in_sheet(receivers[i]), 0, 0, 0, 0, i};
+        Local local{sheet_.in_sheet(receivers[i]), 0, 0, 0, 0, i, 1};
         const Receiver<Real>& r = local.receiver;
         const Real area = glm::length(glm::cross(r.u, r.v));
         if (!(area > 0) || !std::isfinite(area)) continue;
         local.inverse_area = 1 / area;
+        local.narrow =
+            static_cast<double>(glm::length(glm::cross(receivers[i].u, receivers[i].v)) * local.inverse_area);
         const Vec3<Real> half = Real(0.5) * (glm::abs(r.u) + glm::abs(r.v));
         local.half_a = half.x;
         local.half_b = half.y;
@@ -91,6 +93,7 @@ bool Tile<Real>::find() {
         find_nodes(true);
     }
     counts_.clusters += clusters_.size();
+    count_parted();
     return true;
 }
 

@@ -53,6 +53,7 @@ private:
         Real half_a, half_b, half_depth;
         Real inverse_area;  ///< 1/m^2
         std::size_t index;
+        double narrow;  ///< area of the footprint as given, over that with the blur of the sun's disc
     };
     /// A beam's share of a receiver's light, if nothing stands in its way.
     struct Pair {
@@ -75,6 +76,7 @@ private:
     bool test_free();
     bool planar() const { return planar_; }
     bool share_a_plane() const;
+    void count_parted();
     /// As BeamPyramid::meets, for a receiver whose footprint reaches down to `high`; none: none covers any of
     /// it.
     Meets meets(NodeId node, const Receiver<Real>& receiver, Real high) const;
