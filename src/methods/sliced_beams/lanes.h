@@ -43,6 +43,15 @@ template <class Numbers>
 inline Numbers greater(Numbers x, Numbers y) {
     return x > y ? x : y;
 }
+/// x y + z, rounded once.
+inline Lanes<float> multiply_add(Lanes<float> x, Lanes<float> y, Lanes<float> z) {
+    return reinterpret_cast<Lanes<float>>(_mm256_fmadd_ps(
+        reinterpret_cast<__m256>(x), reinterpret_cast<__m256>(y), reinterpret_cast<__m256>(z)));
+}
+inline Lanes<double> multiply_add(Lanes<double> x, Lanes<double> y, Lanes<double> z) {
+    return reinterpret_cast<Lanes<double>>(_mm256_fmadd_pd(
+        reinterpret_cast<__m256d>(x), reinterpret_cast<__m256d>(y), reinterpret_cast<__m256d>(z)));
+}
 template <class Numbers>
 inline Numbers magnitude(Numbers x) {
     return x < 0 ? -x : x;

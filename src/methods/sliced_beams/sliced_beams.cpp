@@ -11,6 +11,7 @@
 #include "methods/sliced_beams/light_lattice.h"
 #include "methods/sliced_beams/point_query.h"
 #include "methods/sliced_beams/sheet_coverage.h"
+#include "methods/sliced_beams/volume_light.h"
 #include "ocean/grid_size.h"
 
 namespace dapple::methods {
@@ -23,7 +24,9 @@ using sliced_beams::LightLattice;
 using sliced_beams::PointQuery;
 using sliced_beams::QueryCounts;
 using sliced_beams::ReceiverGroup;
+using sliced_beams::ScatterCounts;
 using sliced_beams::SheetCoverage;
+using sliced_beams::VolumeLight;
 
 struct SlicedBeams::State {
     explicit State(CoverageBackend coverage) : backend(coverage) {}
@@ -37,6 +40,7 @@ struct SlicedBeams::State {
         points;  ///< beside the sheets; made where data is asked for
 
     std::optional<LightLattice> lattice;  ///< of one call of irradiance(), where a sheet has a disc
+    std::optional<VolumeLight> volume;    ///< once a frame's segments have been asked for
 
     void choose_backend(FrameContext& context);
     void find_shared(const FrameContext& context, std::span<const view::ReceiverLayer> layers,
@@ -154,7 +158,12 @@ void SlicedBeams::State::choose_backend(FrameContext& context) {
     on_device = pass->begin(sheets);
 }
 
+Support SlicedBeams::supports_volume(const scene::FrameState&) const {
+    return {Support::Degree::yes, "light scattered once, without noise"};
+}
+
 void SlicedBeams::begin(FrameContext& context) {
+    state_->volume.reset();
     state_->points.clear();
     state_->neighbors.reset();
     state_->sheets.clear();
@@ -221,6 +230,15 @@ void SlicedBeams::irradiance(FrameContext& context, std::span<const view::Receiv
         counts.report(context.stats);
         count_left_out(layers[i], results[i], context.stats);
     }
+}
+
+void SlicedBeams::in_scatter(FrameContext& context, const view::SegmentLayer& layer,
+                             std::span<glm::vec3> radiance) {
+    const ScopedPass pass(context.stats, "scattering");
+    if (!state_->volume) state_->volume.emplace(context.scene, state_->sheets);
+    ScatterCounts counts;
+    state_->volume->add(layer, radiance, counts);
+    counts.report(context.stats);
 }
 
 /// E of all receivers of a layer by the CPU.

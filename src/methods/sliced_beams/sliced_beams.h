@@ -25,6 +25,9 @@ public:
     void begin(FrameContext& context) override;
     void irradiance(FrameContext& context, std::span<const view::ReceiverLayer> layers,
                     std::span<LayerResult> results) override;
+    Support supports_volume(const scene::FrameState& state) const override;
+    void in_scatter(FrameContext& context, const view::SegmentLayer& layer,
+                    std::span<glm::vec3> radiance) override;
 
 private:
     struct State;

@@ -1,0 +1,41 @@
+#include "methods/sliced_beams/phase_table.h"
+
+#include <algorithm>
+
+#include "methods/sliced_beams/landing.h"
+
+namespace dapple::methods::sliced_beams {
+namespace {
+
+constexpr int kCells = 4096;
+
+}  // namespace
+
+template <class Real>
+PhaseTable<Real>::PhaseTable(const media::Media& media, std::size_t component) : values_(kCells + 2) {
+    for (int i = 0; i <= kCells; ++i) {
+        const double place = static_cast<double>(i) / kCells;
+        const double sine = place * place;  // of half the angle
+        values_[static_cast<std::size_t>(i)] = static_cast<Real>(media.phase(component, 1 - 2 * sine * sine));
+    }
+    values_.back() = values_[kCells];
+    even_ = std::all_of(values_.begin(), values_.end(), [&](Real value) { return value == values_[0]; });
+}
+
+template <class Real>
+Lanes<Real> PhaseTable<Real>::operator()(Lanes<Real> sine) const {
+    if (even_) return splat(values_[0]);
+    const Lanes<Real> place = Real(kCells) * square_root<Real>(lesser(sine, splat(Real(1))));
+    Lanes<Real> result;
+    for (int lane = 0; lane < kLanes<Real>; ++lane) {
+        const auto cell = static_cast<std::size_t>(place[lane]);
+        const Real along = place[lane] - static_cast<Real>(cell);
+        result[lane] = values_[cell] + along * (values_[cell + 1] - values_[cell]);
+    }
+    return result;
+}
+
+template class PhaseTable<float>;
+template class PhaseTable<double>;
+
+}  // namespace dapple::methods::sliced_beams

@@ -1,0 +1,127 @@
+#pragma once
+#include <span>
+#include <vector>
+
+#include "methods/sliced_beams/beam_pyramid.h"
+#include "methods/sliced_beams/landing.h"
+
+namespace dapple::methods::sliced_beams {
+
+/// Camera segments, one a lane, in a sheet's axes, m.
+template <class Real>
+struct SegmentLanes {
+    Lanes<Real> a, b, depth;           ///< of the near end
+    Lanes<Real> to_a, to_b, to_depth;  ///< unit
+    Lanes<Real> length;                ///< < 0: no segment
+};
+
+/// Bounds of a pyramid's nodes for segments that cross many depths. Depth is cut into slabs; within one the
+/// bounds of a node are linear in depth, so that with a segment, which is so too, they leave an interval.
+/// Below the last of the pyramid's depths bounds grow as the steepest of the node's rays do: they hold for
+/// segments of any depth.
+template <class Real>
+class ScatterBounds {
+public:
+    using NodeId = typename BeamPyramid<Real>::NodeId;
+
+    /// `stops`: depth beyond which a beam has no light, one each, or none at all. All references outlive
+    /// this.
+    ScatterBounds(const light::BeamSheet<Real>& sheet, const BeamPyramid<Real>& pyramid,
+                  std::span<const glm::uvec3> triangles, std::span<const Real> stops);
+
+    /// Calls `visit(node, from, to)` for the clusters that may hold some of the segments, in a fixed order,
+    /// with the intervals of [0, length] on which they may, m (from > to where not). `shift`: m a m of way,
+    /// by which all rays lean further from where they leave the water.
+    template <class Visit>
+    void visit(const SegmentLanes<Real>& segments, glm::vec<2, Real> shift, Visit&& visit) const;
+
+    static std::size_t bytes_a_cluster() { return sizeof(Node) * 4 / 3 * (kSlabs + 1); }
+
+private:
+    static constexpr int kSlabs = 4;
+    /// Bounds at a slab's first depth, and by how much they grow, m a m.
+    struct Node {
+        Real low_a, high_a, low_b, high_b;
+        Real low_grows_a, high_grows_a, low_grows_b, high_grows_b;
+        Real first_start, last_start, stop;
+    };
+    struct Slab {
+        Real from, to;
+        std::vector<std::vector<Node>> levels;
+    };
+    void build(Slab& slab, std::span<const glm::uvec3> triangles, std::span<const Real> stops) const;
+    static Node united(const Node& x, const Node& y, Real height);
+
+    const light::BeamSheet<Real>& sheet_;
+    const BeamPyramid<Real>& pyramid_;
+    Real largest_ = 0;  ///< m, of all bounds' places at the last depth
+    std::vector<Slab> slabs_;
+};
+
+/// What is left of [from, to] where c0 + c1 s >= 0.
+template <class Real>
+inline void clip(Lanes<Real> c0, Lanes<Real> c1, Lanes<Real>& from, Lanes<Real>& to) {
+    c1 += Lanes<Real>{};  // no -0, whose quotient would have the wrong sign
+    const Lanes<Real> root = -c0 / c1;
+    const auto rising = c1 >= 0;
+    from = rising & (root > from) ? root : from;
+    to = ~rising & (root < to) ? root : to;
+}
+
+template <class Real>
+template <class Visit>
+void ScatterBounds<Real>::visit(const SegmentLanes<Real>& s, glm::vec<2, Real> shift, Visit&& visit) const {
+    using L = Lanes<Real>;
+    struct Open {
+        NodeId node;
+        L from, to;
+    };
+    // Rounding of places; a few times more than can be.
+    const L reach = magnitude(s.a) + magnitude(s.b) + magnitude(s.depth) + s.length + largest_;
+    const L room = Real(8) * std::numeric_limits<Real>::epsilon() * reach;
+    std::vector<Open> open;
+    for (const Slab& slab : slabs_) {
+        L first{}, last = s.length;
+        clip<Real>(s.depth - slab.from + room, s.to_depth, first, last);
+        clip<Real>(slab.to - s.depth + room, Real(0) - s.to_depth, first, last);
+        if (!any(first <= last)) continue;
+        open.push_back({pyramid_.root(), first, last});
+        while (!open.empty()) {
+            const NodeId id = open.back().node;
+            L from = open.back().from, to = open.back().to;
+            open.pop_back();
+            if (pyramid_.dark(id)) continue;
+            const Node& n = slab.levels[id.level][pyramid_.index(id)];
+            const L below = s.depth - slab.from;
+            // The shift, times the depth from where the rays start.
+            const Real start_a = std::max(shift.x * n.first_start, shift.x * n.last_start);
+            const Real start_b = std::max(shift.y * n.first_start, shift.y * n.last_start);
+            const Real end_a = std::min(shift.x * n.first_start, shift.x * n.last_start);
+            const Real end_b = std::min(shift.y * n.first_start, shift.y * n.last_start);
+            const auto above_low = [&](L at, L moves, Real low, Real grows, Real lean, Real start) {
+                clip<Real>(at - (low - start) - below * grows - s.depth * lean + room,
+                           moves - s.to_depth * (grows + lean), from, to);
+            };
+            const auto below_high = [&](L at, L moves, Real high, Real grows, Real lean, Real start) {
+                clip<Real>((high - start) + below * grows + s.depth * lean - at + room,
+                           s.to_depth * (grows + lean) - moves, from, to);
+            };
+            above_low(s.a, s.to_a, n.low_a, n.low_grows_a, shift.x, start_a);
+            below_high(s.a, s.to_a, n.high_a, n.high_grows_a, shift.x, end_a);
+            above_low(s.b, s.to_b, n.low_b, n.low_grows_b, shift.y, start_b);
+            below_high(s.b, s.to_b, n.high_b, n.high_grows_b, shift.y, end_b);
+            clip<Real>(s.depth - n.first_start + room, s.to_depth, from, to);
+            clip<Real>(n.stop - s.depth + room, Real(0) - s.to_depth, from, to);
+            if (!any(from <= to)) continue;
+            if (id.level == 0)
+                visit(id, from, to);
+            else
+                pyramid_.visit_children(id, [&](NodeId child) { open.push_back({child, from, to}); });
+        }
+    }
+}
+
+extern template class ScatterBounds<float>;
+extern template class ScatterBounds<double>;
+
+}  // namespace dapple::methods::sliced_beams

@@ -1,0 +1,86 @@
+#pragma once
+#include <algorithm>
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+#include "media/media.h"
+#include "methods/sliced_beams/beam_slices.h"
+#include "methods/sliced_beams/phase_table.h"
+#include "methods/sliced_beams/scatter_bounds.h"
+#include "methods/sliced_beams/sheet_coverage.h"
+
+namespace dapple::methods::sliced_beams {
+
+/// What finding scattered light cost.
+struct ScatterCounts {
+    std::size_t clusters = 0;   ///< times segments, of those that may hold them
+    std::size_t beams = 0;      ///< times segments, tested
+    std::size_t intervals = 0;  ///< of a segment within a beam
+    std::size_t peaks = 0;      ///< of them: where the beam narrows so much that exact moments are needed
+    std::size_t foci = 0;       ///< of them: whose area is lost in rounding within, by mere point values
+    double dropped = 0;         ///< W/m^2/sr, summed over segments: not finite
+
+    void add(const ScatterCounts& other);
+    void report(FrameStats& stats) const;
+};
+
+/// The water itself, or any medium of even density.
+template <class Real>
+struct EvenMedium {
+    EvenMedium() = default;
+    EvenMedium(const glm::dvec3& extinction_, const glm::dvec3& scattering_, const PhaseTable<Real>& phase_)
+        : phase(&phase_) {
+        for (int c = 0; c < 3; ++c) {
+            extinction[c] = static_cast<Real>(extinction_[c]);
+            scattering[c] = static_cast<Real>(scattering_[c]);
+        }
+        most = std::max({extinction[0], extinction[1], extinction[2]});
+        least = std::min({extinction[0], extinction[1], extinction[2]});
+    }
+
+    Real extinction[3], scattering[3];  ///< /m, a channel
+    Real most, least;                   ///< of the extinctions
+    const PhaseTable<Real>* phase;
+};
+
+/// Segments near each other, a lane each, in world axes relative to FrameScene::origin, m.
+template <class Real>
+struct SegmentGroup {
+    Lanes<Real> origin[3], direction[3];
+    Lanes<Real> length;  ///< < 0: no segment
+};
+
+/// One beam sheet, ready to be asked for the light that a medium scatters out of its beams: along each
+/// segment the intervals within beams from quadratics, and on these product quadrature with the exact moments
+/// of one over the beam's area (the flux's density). No sampling, no tolerance.
+template <class Real>
+class ScatterSheet {
+public:
+    /// All references outlive this.
+    explicit ScatterSheet(const SheetCoverage<Real>& sheet);
+
+    /// Adds what reaches the segments' near ends, W/m^2/sr, of the light of one direction of the sheet's part
+    /// of the sun's disc: `shift`, m a m of way along the axis. Thread-safe.
+    void add(const SegmentGroup<Real>& segments, glm::vec<2, Real> shift, const EvenMedium<Real>& medium,
+             Lanes<Real> (&radiance)[3], ScatterCounts& counts) const;
+
+    /// In the sheet's axes.
+    SegmentLanes<Real> in_sheet(const SegmentGroup<Real>& group) const;
+    const ScatterBounds<Real>& bounds() const { return bounds_; }
+    const SheetCoverage<Real>& coverage() const { return coverage_; }
+    /// The rays of a beam, moved.
+    void corners(std::uint32_t beam, glm::vec<2, Real> shift, BeamCorner<Real> (&corner)[3]) const;
+
+private:
+    template <class>
+    friend class ScatterQuery;
+
+    const SheetCoverage<Real>& coverage_;
+    ScatterBounds<Real> bounds_;
+};
+
+extern template class ScatterSheet<float>;
+extern template class ScatterSheet<double>;
+
+}  // namespace dapple::methods::sliced_beams
