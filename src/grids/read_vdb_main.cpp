@@ -1,29 +1,23 @@
 // dapple-read-vdb: reads OpenVDB files for dapple in a process of its own, whose memory is limited and which
 // may crash, as OpenVDB can on damaged files. Says what it finds as vdb_reply.h lays it out.
-#include <malloc.h>
 #include <nanovdb/util/OpenToNanoVDB.h>
 #include <openvdb/io/File.h>
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/Prune.h>
-#include <sched.h>
 #include <sys/mman.h>
-#include <sys/prctl.h>
-#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <new>
 #include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "grids/reader_limits.h"
 #include "grids/vdb_reply.h"
 
 namespace dapple::grids {
@@ -43,69 +37,8 @@ struct Refusal {
     throw Refusal{Outcome::too_large, message};
 }
 
-template <std::size_t size>
-void copy_text(char (&to)[size], const char* from) {
-    const std::size_t length = ::strnlen(from, size - 1);
-    std::memcpy(to, from, length);
-    to[length] = 0;
-}
-
 std::string brief(const std::string& text, std::size_t longest = 60) {
     return text.size() <= longest ? text : text.substr(0, longest) + "...";
-}
-
-std::string megabytes(std::uint64_t bytes) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.1f MiB", static_cast<double>(bytes) / (1 << 20));
-    return text;
-}
-
-void write_all(const void* data, std::size_t size) {
-    const char* next = static_cast<const char*>(data);
-    while (size > 0) {
-        const ssize_t written = ::write(STDOUT_FILENO, next, size);
-        if (written < 0 && errno == EINTR) continue;
-        if (written <= 0) std::_Exit(1);
-        next += written;
-        size -= static_cast<std::size_t>(written);
-    }
-}
-
-/// The address space that the process has now.
-std::uint64_t address_space() {
-    unsigned long pages = 0;
-    if (std::FILE* file = std::fopen("/proc/self/statm", "r")) {
-        if (std::fscanf(file, "%lu", &pages) != 1) pages = 0;
-        std::fclose(file);
-    }
-    return pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGE_SIZE));
-}
-
-/// Ends with its parent; leaves no core dump; runs on one thread, which takes no stacks and arenas for others
-/// out of what is allowed.
-void confine_process() {
-    ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-    const rlimit none{0, 0};
-    ::setrlimit(RLIMIT_CORE, &none);
-    ::mallopt(M_ARENA_MAX, 1);
-    cpu_set_t processors;
-    if (::sched_getaffinity(0, sizeof processors, &processors) == 0) {
-        for (int i = 0, found = 0; i < CPU_SETSIZE; ++i) {
-            if (CPU_ISSET(i, &processors) && found++ > 0) CPU_CLR(i, &processors);
-        }
-        ::sched_setaffinity(0, sizeof processors, &processors);
-    }
-    ::setenv("OPENVDB_DISABLE_DELAYED_LOAD", "1", 1);
-}
-
-void limit_memory(std::uint64_t most_bytes) {
-#ifndef __SANITIZE_ADDRESS__  // whose shadow alone is larger than any limit
-    const std::uint64_t most = address_space() + kSpareBytes + std::min(most_bytes, std::uint64_t{1} << 50);
-    const rlimit limit{most, most};
-    ::setrlimit(RLIMIT_AS, &limit);
-#else
-    (void)most_bytes;
-#endif
 }
 
 /// Where NanoVDB's converter writes to: the file that is shared with the parent.
@@ -113,9 +46,9 @@ class SharedVoxels {
 public:
     static SharedVoxels create(std::uint64_t size, const SharedVoxels* = nullptr) {
         SharedVoxels voxels;
-        if (::ftruncate(kVoxelsFile, static_cast<off_t>(size)) != 0) throw std::bad_alloc();
+        if (::ftruncate(kVoxelsFile, static_cast<off_t>(size)) != 0) refuse("no file for its voxels");
         void* data = ::mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_SHARED, kVoxelsFile, 0);
-        if (data == MAP_FAILED) throw std::bad_alloc();
+        if (data == MAP_FAILED) run_out_of_memory(0);
         voxels.data_ = static_cast<std::uint8_t*>(data);
         voxels.size_ = size;
         return voxels;
@@ -251,8 +184,8 @@ void read_grid(const std::string& path, const std::string& name, std::uint64_t m
     if (needed > most_bytes) {
         const std::int64_t voxels =
             metadata<std::int64_t>(*found, openvdb::GridBase::META_FILE_VOXEL_COUNT).value_or(0);
-        refuse_size(quoted + "has " + std::to_string(voxels) + " voxels, which take " + megabytes(needed) +
-                    " of memory; " + megabytes(most_bytes) + " are left");
+        refuse_size(quoted + "has " + std::to_string(voxels) + " voxels, which take " + mebibytes(needed) +
+                    " of memory; " + mebibytes(most_bytes) + " are left");
     }
     openvdb::FloatGrid::Ptr grid = float_grid(file.readGrid(name));
     const auto map = grid->transform().baseMap();
@@ -278,7 +211,7 @@ void read_grid(const std::string& path, const std::string& name, std::uint64_t m
     const auto handle = nanovdb::openToNanoVDB<SharedVoxels>(*grid, nanovdb::StatsMode::Disable,
                                                              nanovdb::ChecksumMode::Disable);
     reply.voxels_bytes = handle.size();
-    if (reply.voxels_bytes > most_bytes) throw std::bad_alloc();
+    if (reply.voxels_bytes > most_bytes) run_out_of_memory(0);
 }
 
 std::vector<GridEntry> list_grids(const std::string& path) {
@@ -308,7 +241,7 @@ int run(int count, char** arguments) {
     std::vector<GridEntry> entries;
     try {
         openvdb::initialize();
-        limit_memory(most_bytes);
+        limit_memory(arguments[2], most_bytes);
         if (info) {
             entries = list_grids(arguments[2]);
         } else {
@@ -319,11 +252,6 @@ int run(int count, char** arguments) {
     } catch (const Refusal& refusal) {
         reply.outcome = refusal.outcome;
         copy_text(reply.message, refusal.message.c_str());
-    } catch (const std::bad_alloc&) {
-        reply.outcome = Outcome::too_large;
-        copy_text(reply.message, ("takes more memory than the " + megabytes(most_bytes) +
-                                  " that are left, though it does not say so; it may be damaged")
-                                     .c_str());
     } catch (const std::exception& fault) {
         copy_text(reply.message, fault.what());  // which may be very long
     }

@@ -1,0 +1,11 @@
+#include "grids/damage.h"
+
+#include <gtest/gtest.h>
+
+namespace dapple::grids {
+
+TEST(DamagedVdb, EndsInAGridOrAnError) {
+    expect_damage_is_survived(1, 60);
+}
+
+}  // namespace dapple::grids
