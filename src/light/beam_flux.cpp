@@ -23,6 +23,11 @@ struct Arrival {
     double absorbed = 0;  // share
 };
 
+/// Share of light that is lost on a way of that optical depth.
+double lost(double depth) {
+    return -std::expm1(-depth);
+}
+
 /// The three kinds of light, each with what its inner loops need: `at` a vertex and `on` a triangle, whose
 /// cross product of two edges is `twice_area`, turned towards the light's side.
 struct SunRays {
@@ -43,11 +48,11 @@ double angle_of(double y, double x) {
 
 struct LampRays {
     glm::dvec3 position;
-    double absorption;  // /m
+    double extinction;  // /m
     Arrival at(glm::dvec3 point) const {
         const glm::dvec3 way = point - position;
         const double length = std::sqrt(glm::dot(way, way));
-        return {way * (1 / length), 1, absorption > 0 ? -std::expm1(-absorption * length) : 0};
+        return {way * (1 / length), 1, extinction > 0 ? lost(extinction * length) : 0};
     }
     double on(glm::dvec3 a, glm::dvec3 b, glm::dvec3 c, glm::dvec3 twice_area) const {
         a -= position;
@@ -78,10 +83,10 @@ template <class Body>
 auto with_rays(const WaterLight& light, Body&& body) {
     switch (light.type) {
         case scene::LightType::point:
-            return body(LampRays{light.position, light.absorption});
+            return body(LampRays{light.position, light.extinction});
         case scene::LightType::spot:
             return body(SpotRays{
-                {light.position, light.absorption}, light.direction, light.cos_outer, light.cos_inner});
+                {light.position, light.extinction}, light.direction, light.cos_outer, light.cos_inner});
         default:
             return body(SunRays{light.direction});
     }
@@ -122,9 +127,13 @@ Share share_of(const Arrival& arrival, Event event, double cos_i, double eta) {
 
 /// At the middle of a triangle by its own plane, where normals mean nothing.
 template <class Rays>
-Share share_of_plane(const Rays& rays, const scene::TriangleMesh& mesh, glm::uvec3 t, glm::dvec3 area,
-                     Event event, double eta) {
-    const Arrival arrival = rays.at((mesh.positions[t.x] + mesh.positions[t.y] + mesh.positions[t.z]) / 3.0);
+Share share_of_plane(const Rays& rays, const WaterLight& light, const scene::TriangleMesh& mesh, glm::uvec3 t,
+                     glm::dvec3 area, Event event, double eta) {
+    Arrival arrival = rays.at((mesh.positions[t.x] + mesh.positions[t.y] + mesh.positions[t.z]) / 3.0);
+    if (!light.depths.empty()) {
+        const auto depth = [&](glm::uint v) { return static_cast<double>(light.depths[v]); };
+        arrival.absorbed = lost((depth(t.x) + depth(t.y) + depth(t.z)) / 3);
+    }
     const double cos_i = std::clamp(-glm::dot(area, arrival.direction) / glm::length(area), 0.0, 1.0);
     return share_of(arrival, event, cos_i, eta);
 }
@@ -156,13 +165,15 @@ void trace_vertices(const scene::FrameScene& scene, const WaterLight& light, dou
     sheet.start.resize(count);
     sheet.valid.resize(count);
     events.share.resize(count);
-    events.absorbed.resize(light.absorption > 0 ? count : 0);
+    const bool dimmed = light.extinction > 0 || !light.depths.empty();
+    events.absorbed.resize(dimmed ? count : 0);
     events.cones.resize(count);
     std::vector<double> flattest(count / kTile + 1, kInfinity);
 
     const auto trace = [&](const auto& rays, std::size_t v) {
         const glm::dvec3 position = mesh.positions[v], normal = side * mesh.normals[v];
-        const Arrival arrival = rays.at(position);
+        Arrival arrival = rays.at(position);
+        if (!light.depths.empty()) arrival.absorbed = lost(static_cast<double>(light.depths[v]));
         const glm::dvec3 against = facing(normal, arrival.direction);
         const double cos_i = std::clamp(-glm::dot(arrival.direction, against), 0.0, 1.0);
         glm::dvec3 out;
@@ -232,7 +243,7 @@ FluxSurvey fill_flux(const scene::TriangleMesh& mesh, const WaterLight& light, d
         Share share{(events.share[t.x] + events.share[t.y] + events.share[t.z]) / 3, 0};
         const bool finite = share.carried >= 0;
         if (!finite) {
-            share = share_of_plane(rays, mesh, t, side * area, sheet.event, eta);
+            share = share_of_plane(rays, light, mesh, t, side * area, sheet.event, eta);
         } else if (!events.absorbed.empty()) {
             share.absorbed = (events.absorbed[t.x] + events.absorbed[t.y] + events.absorbed[t.z]) / 3;
         }

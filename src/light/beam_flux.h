@@ -2,6 +2,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <span>
 #include <vector>
 
 #include "light/beam_axes.h"
@@ -18,17 +19,20 @@ struct WaterLight {
     glm::dvec3 position{0, 0, 0};    ///< m, world; point and spot
     double cos_outer = -2;           ///< spot, as optics/spot_light.h
     double cos_inner = 1;
-    double absorption = 0;  ///< /m, of the way from a lamp to the surface
+    double extinction = 0;  ///< /m, of the water, on the way from a lamp in it to the surface
+    /// Optical depth from the light to each vertex of the water mesh, where there is more than the water on
+    /// the way; else empty.
+    std::span<const float> depths = {};
 
     double side() const { return from_below ? -1 : 1; }  ///< times a water normal: towards the light
 };
 
 /// What the event did at the vertices of the water mesh.
 struct VertexEvents {
-    /// Transmittance or reflectance, times a spot's falloff and what the water left over on the way from the
-    /// lamp; NaN where position or normal means nothing.
+    /// Transmittance or reflectance, times a spot's falloff and what media left over on the way from the
+    /// light; NaN where position or normal means nothing.
     std::vector<double> share;
-    /// By how much more `share` would be without absorption; empty where there is none.
+    /// By how much more `share` would be without extinction; empty where there is none.
     std::vector<double> absorbed;
     /// Bit k: the ray fits the cone of sheet_axes()[k]. 0: there is no ray.
     std::vector<std::uint8_t> cones;

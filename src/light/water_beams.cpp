@@ -1,13 +1,17 @@
 #include "light/water_beams.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
 
+#include "base/parallel.h"
 #include "light/beam_axes.h"
 #include "light/beam_flux.h"
 #include "light/map_plan.h"
 #include "light/wave_shadow.h"
+#include "media/media.h"
 
 namespace dapple::light {
 namespace {
@@ -17,18 +21,57 @@ struct Band {
     const char* name = "";
     glm::dvec3 mask{1, 1, 1};
     double index_shift = 0;
-    double absorption = 0;  // /m, before the surface
+    int channel = 1;  // whose extinction before the surface it has
     bool counts_paths = true;
 };
 constexpr std::array<const char*, kSheetAxes> kAxisNames = {"", " +x", " -x", " +z", " -z", " +y", " -y"};
 
-std::vector<Band> bands_of(const scene::Water& water, Event event, bool from_below) {
-    const glm::dvec3 absorption = from_below ? water.absorption : glm::dvec3(0);
+/// One band where all channels go the same ways: without dispersion, and `dimmed_alike` before the surface.
+std::vector<Band> bands_of(const scene::Water& water, Event event, bool dimmed_alike) {
     const double dispersion = event == Event::transmission ? water.dispersion : 0;
-    if (!(dispersion > 0) && absorption == glm::dvec3(absorption.g)) return {{.absorption = absorption.g}};
-    return {{" red", {1, 0, 0}, -0.5 * dispersion, absorption.r, false},
-            {" green", {0, 1, 0}, 0, absorption.g, true},
-            {" blue", {0, 0, 1}, 0.5 * dispersion, absorption.b, false}};
+    if (!(dispersion > 0) && dimmed_alike) return {{}};
+    return {{" red", {1, 0, 0}, -0.5 * dispersion, 0, false},
+            {" green", {0, 1, 0}, 0, 1, true},
+            {" blue", {0, 0, 1}, 0.5 * dispersion, 2, false}};
+}
+
+/// What light meets between its source and the water.
+struct WayToWater {
+    glm::dvec3 extinction{0};                  ///< /m, of the water about a lamp
+    std::array<std::vector<float>, 3> depths;  ///< a vertex of the mesh; empty where there is the water only
+    bool alike = true;                         ///< for all channels
+};
+
+WayToWater way_to_water(const scene::FrameScene& scene, const media::Media& media, const WaterLight& light) {
+    WayToWater way;
+    if (!media.bounded(light.from_below)) {
+        if (light.from_below) way.extinction = scene.state.water->extinction();
+        way.alike = way.extinction == glm::dvec3(way.extinction.g);
+        return way;
+    }
+    constexpr std::size_t kTile = 1 << 12;
+    const std::vector<glm::dvec3>& positions = scene.water->mesh.positions;
+    for (std::vector<float>& channel : way.depths) channel.resize(positions.size());
+    std::vector<std::uint8_t> alike(positions.size() / kTile + 1, 1);
+    parallel_for(positions.size(), kTile, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t v = begin; v < end; ++v) {
+            glm::dvec3 back = -light.direction;
+            double length = std::numeric_limits<double>::infinity();
+            if (light.type != scene::LightType::sun) {
+                back = light.position - positions[v];
+                length = glm::length(back);
+                back /= length;
+            }
+            const glm::dvec3 depth =
+                media.optical_depth(positions[v] - scene.origin, back, length, light.from_below);
+            for (int c = 0; c < 3; ++c)
+                way.depths[static_cast<std::size_t>(c)][v] = static_cast<float>(depth[c]);
+            // Written so that what is no number is alike.
+            if (std::abs(depth.r - depth.g) > 0 || std::abs(depth.b - depth.g) > 0) alike[begin / kTile] = 0;
+        }
+    });
+    way.alike = std::find(alike.begin(), alike.end(), 0) == alike.end();
+    return way;
 }
 
 /// What all sheets of a chain have in common.
@@ -143,7 +186,7 @@ void count_losses(const std::vector<BeamSheet<Real>>& sheets, FrameStats& stats)
         const auto count = [&](const char* name, double flux) {
             if (flux > 0) stats.count(name, flux * mean);
         };
-        count("lost to absorption before the surface, W", sheet.losses.absorbed);
+        count("lost to media before the surface, W", sheet.losses.absorbed);
         count("lost to wave shadow, W", sheet.losses.wave_shadow);
         count("lost to total reflection, W", sheet.losses.total_reflection);
         count("lost outside cones, W", sheet.losses.outside_cone);
@@ -179,6 +222,7 @@ std::vector<BeamSheet<Real>> water_beams(const scene::FrameScene& scene, const r
     std::vector<glm::dvec3> directions = {setup.light.direction};
     if (sun) directions = sun_directions(setup.light, setup.sun_samples);
     const std::string name = chain_name(scene.state, chain);
+    const media::Media media(scene);
     SheetTracer<Real> tracer(scene, rays, chain, setup);
     for (std::size_t i = 0; i < directions.size(); ++i) {
         if (sun && !(directions[i].y < -kLowestSun)) continue;
@@ -186,8 +230,10 @@ std::vector<BeamSheet<Real>> water_beams(const scene::FrameScene& scene, const r
         light.direction = directions[i];
         std::optional<std::vector<float>> visible;  // the same for all bands
         const bool first = sheets.empty();
-        for (Band band : bands_of(*scene.state.water, setup.event, light.from_below)) {
-            light.absorption = band.absorption;
+        const WayToWater way = way_to_water(scene, media, light);
+        for (Band band : bands_of(*scene.state.water, setup.event, way.alike)) {
+            light.extinction = way.extinction[band.channel];
+            light.depths = way.depths[static_cast<std::size_t>(band.channel)];
             band.counts_paths &= first;
             tracer.trace(light, band, directions.size() > 1 ? name + ' ' + std::to_string(i + 1) : name,
                          visible, sheets);

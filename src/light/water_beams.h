@@ -14,7 +14,7 @@ namespace dapple::light {
 
 /// Flux of the event that no beam carries, by cause; unit of BeamSheet::flux.
 struct BeamLosses {
-    double absorbed = 0;          ///< by the water between a lamp in it and the surface
+    double absorbed = 0;          ///< or scattered by media between the light and the surface
     double wave_shadow = 0;       ///< other waves stand between the light and the facet
     double total_reflection = 0;  ///< transmission from below: triangles across the critical angle
     double outside_cone = 0;      ///< the triangle's three rays fit no one sheet's cone
@@ -60,7 +60,7 @@ struct BeamSheet {
     std::vector<Ray> rays;            ///< a vertex of the water mesh; finite also where not valid
     std::vector<Real> start;          ///< m, depth at which the ray leaves the water surface
     std::vector<std::uint8_t> valid;  ///< 1 where there is a ray of this sheet
-    /// A triangle of the water mesh, after absorption before the surface, Fresnel and wave shadows, for a
+    /// A triangle of the water mesh, after extinction before the surface, Fresnel and wave shadows, for a
     /// light of unit irradiance (sun: m^2) or unit intensity (point, spot: sr). 0 where a vertex has no ray;
     /// never negative.
     std::vector<Real> flux;
@@ -77,8 +77,8 @@ struct BeamSheet {
 
 /// Beams of one light after one event, in a fixed order: the directions of the sun's disc (`sun_samples`
 /// equal parts of it, the same in every frame; 1: its middle; each with its part's ellipse), within these
-/// the channels (one sheet for all where neither dispersion nor, from a lamp under water, absorption before
-/// the surface tells them apart), within these the axes where one cone cannot hold all
+/// the channels (one sheet for all where neither dispersion nor extinction before the surface, by the water
+/// about a lamp or by bounded media, tells them apart), within these the axes where one cone cannot hold all
 /// directions: every triangle has flux in one of these at most, the first that holds its three rays.
 /// dot(direction, axis) > 0.1 for all rays. Fluxes of the two chains of a light, with their losses (but for
 /// second crossings), sum to what the light sends onto the lit side of the water. Occlusion by objects is not

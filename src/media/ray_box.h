@@ -29,8 +29,10 @@ inline Interval inside_box(const Line& line, const glm::dvec3& low, const glm::d
             continue;
         }
         const double to_low = (low[axis] - o) / d, to_high = (high[axis] - o) / d;
-        whole.begin = std::max(whole.begin, std::min(to_low, to_high));
-        whole.end = std::min(whole.end, std::max(to_low, to_high));
+        const double enters = std::min(to_low, to_high), leaves = std::max(to_low, to_high);
+        if (!(enters <= leaves)) return {};  // not a number
+        whole.begin = std::max(whole.begin, enters);
+        whole.end = std::min(whole.end, leaves);
     }
     return whole;
 }

@@ -296,6 +296,87 @@ TEST(WaterBeams, WaterAbsorbsOnTheWayFromALampInItToTheSurface) {
     EXPECT_EQ(beams<double>(scene, Event::transmission)[0].losses.absorbed, 0);
 }
 
+/// A slab of fog between two heights, 1000 m wide.
+scene::Medium fog(double low, double high, glm::dvec3 extinction) {
+    scene::Medium medium;
+    medium.type = scene::MediumType::box;
+    medium.size = {1000, high - low, 1000};
+    medium.transform.position.y = 0.5 * (low + high);
+    medium.extinction = extinction;
+    return medium;
+}
+
+TEST(WaterBeams, MediaBetweenTheLightAndTheWaterDimItChannelByChannel) {
+    scene::FrameScene scene = water_scene({7, 3}, {1.3, -2.1});
+    scene.origin = {2, -3, 5};
+    scene.state.lights = {sun(30)};
+    add_water(scene, gentle_sea(), 40, 20);
+    const auto clear = beams<double>(scene, Event::transmission);
+    const auto mirrored = beams<double>(scene, Event::reflection);
+    ASSERT_EQ(clear.size(), 1U);
+    const double thickness = 0.5 / std::cos(glm::radians(30.0));
+    scene.state.media = {fog(1, 1.5, {0.3, 1, 2})};
+    for (const bool everywhere : {false, true}) {
+        // What is sent to the air only is not in the water, where it changes nothing before the surface.
+        if (!everywhere) scene.state.media[0].side = scene::MediumSide::air;
+        const auto dimmed = beams<double>(scene, Event::transmission);
+        ASSERT_EQ(dimmed.size(), 3U);
+        for (int channel = 0; channel < 3; ++channel) {
+            const BeamSheet<double>& band = dimmed[static_cast<std::size_t>(channel)];
+            glm::dvec3 mask(0);
+            mask[channel] = 1;
+            EXPECT_EQ(band.color, mask * clear[0].color);
+            const double share = std::exp(-thickness * scene.state.media[0].extinction[channel]);
+            for (std::size_t t = 0; t < band.flux.size(); ++t)  // depths are kept in float
+                ASSERT_NEAR(band.flux[t] / clear[0].flux[t], share, 2e-7 * thickness * 2 * share);
+            EXPECT_NEAR(flux_and_losses(std::vector{band}) / flux_and_losses(clear), 1, 1e-12);
+            EXPECT_NEAR(band.losses.absorbed / flux(clear), 1 - share, 1e-6);
+        }
+    }
+    // Grey fog parts nothing, fog beside the light's way neither, fog under water is none before the surface.
+    scene.state.media = {fog(1, 1.5, glm::dvec3(2))};
+    const auto grey = beams<double>(scene, Event::reflection);
+    ASSERT_EQ(grey.size(), 1U);
+    EXPECT_NEAR(flux(grey) / flux(mirrored), std::exp(-2 * thickness), 1e-6);
+    scene.state.media = {fog(1, 1.5, {1, 2, 3})};
+    scene.state.media[0].transform.position.x = 2000;
+    EXPECT_EQ(beams<double>(scene, Event::transmission)[0].flux, clear[0].flux);
+    EXPECT_EQ(beams<double>(scene, Event::transmission).size(), 1U);
+    scene.state.media = {fog(-3, -1, {1, 2, 3})};
+    EXPECT_EQ(beams<double>(scene, Event::transmission)[0].flux, clear[0].flux);
+}
+
+TEST(WaterBeams, LampsUnderWaterAreDimmedByExtinctionAndByWhatIsAboutThem) {
+    const glm::dvec3 position(0.1, -1, 0.2);
+    scene::FrameScene scene = lamp_scene({2, 2}, 40, position);
+    scene.state.water->absorption = glm::dvec3(0);
+    const auto clear = beams<double>(scene, Event::transmission);
+    scene.state.water->absorption = {0.1, 0.2, 0.3};
+    scene.state.water->scattering = {0.4, 0.1, 0};
+    for (const bool cloudy : {false, true}) {
+        if (cloudy) scene.state.media = {fog(-0.6, -0.4, {1, 3, 5})};
+        const auto dimmed = beams<double>(scene, Event::transmission);
+        ASSERT_EQ(dimmed.size(), 3 * clear.size());
+        for (int channel = 0; channel < 3; ++channel) {
+            const BeamSheet<double>& band = dimmed[static_cast<std::size_t>(channel) * clear.size()];
+            const double extinction = scene.state.water->extinction()[channel] +
+                                      (cloudy ? 0.2 * scene.state.media[0].extinction[channel] : 0);
+            std::size_t lit = 0;
+            for (std::size_t t = 0; t < band.flux.size(); ++t) {
+                if (!(clear[0].flux[t] > 0)) continue;
+                ++lit;
+                glm::dvec3 middle(0);
+                for (int corner = 0; corner < 3; ++corner)
+                    middle += scene.water->mesh.positions[scene.water->mesh.triangles[t][corner]] / 3.0;
+                // A fifth of each way is in the cloud. Corners are within 3.73 cm of the middle.
+                ASSERT_NEAR(band.flux[t] / clear[0].flux[t],
+                            std::exp(-extinction * glm::length(middle - position)), 0.0373 * extinction);
+            }
+            EXPECT_GT(lit, 100U);
+        }
+    }
+}
+
 TEST(WaterBeams, TheSunsDiscSpreadsAsFlatWaterBendsIt) {
     for (const double zenith : {0.0, 50.0, 85.0}) {
         SCOPED_TRACE(zenith);

@@ -96,7 +96,7 @@ scene::FrameScene flat_pool(double zenith, int resolution) {
 glm::dvec3 flat_floor(const scene::FrameScene& scene, double zenith) {
     const double i = glm::radians(zenith), t = std::asin(std::sin(i) / kIndex);
     return scene.state.lights[0].irradiance * std::cos(i) * flat_transmittance(i) *
-           glm::exp(-scene.state.water->absorption * (1.5 / std::cos(t)));
+           glm::exp(-scene.state.water->extinction() * (1.5 / std::cos(t)));
 }
 
 TEST(PhotonSplatting, FlatWaterComesOutFlatAtAnyRatioOfPhotonsToPixels) {
@@ -120,6 +120,33 @@ TEST(PhotonSplatting, FlatWaterComesOutFlatAtAnyRatioOfPhotonsToPixels) {
             EXPECT_LT(worst, 1e-3);
             EXPECT_NEAR(mean, 0, 1e-5 + 1e-8 * resolution);
         }
+}
+
+TEST(PhotonSplatting, MediaDimTheLightOnBothSidesOfTheWater) {
+    scene::FrameScene scene = flat_pool(50, 201);
+    scene.state.water->scattering = {0.1, 0.2, 0.4};
+    look_down(scene, 96, 2);
+    const auto expect_floor = [&](double in_fog) {
+        const methods::LayerResult result = splat_level(scene, -1.5);
+        glm::dvec3 expected = flat_floor(scene, 50);
+        if (in_fog > 0) expected *= glm::exp(-in_fog * scene.state.media[0].extinction);
+        for (const glm::vec3& e : result.irradiance)
+            for (int c = 0; c < 3; ++c)  // as without media
+                ASSERT_NEAR(static_cast<double>(e[c]), expected[c], 1e-3 * expected[c]) << in_fog;
+    };
+    expect_floor(0);
+    scene::Medium fog;
+    fog.type = scene::MediumType::box;
+    fog.size = {100, 0.5, 100};
+    fog.transform.position = {1, 0.05, 3};  // from 0.3 m above the surface to 0.2 m below
+    fog.extinction = {0.5, 1, 2};
+    scene.state.media = {fog};
+    const double i = glm::radians(50.0), t = std::asin(std::sin(i) / kIndex);
+    expect_floor(0.3 / std::cos(i) + 0.2 / std::cos(t));
+    scene.state.media[0].side = scene::MediumSide::air;
+    expect_floor(0.3 / std::cos(i));
+    scene.state.media[0].side = scene::MediumSide::water;
+    expect_floor(0.2 / std::cos(t));
 }
 
 TEST(PhotonSplatting, FlatWaterComesOutFlatInPerspective) {

@@ -53,6 +53,7 @@ void PhotonSplatting::begin(FrameContext& context) {
     if (!state_ || state_->device != &context.device) state_ = std::make_unique<State>(context.device);
     SplatRenderer& renderer = state_->renderer;
     renderer.clear();
+    const media::Media media(context.scene);
     const int resolution = context.scene.state.caustics.photon_splatting.map_resolution;
     for (std::size_t next = 0; next < context.chains.size();) {
         // Chains of one light share its map.
@@ -70,7 +71,7 @@ void PhotonSplatting::begin(FrameContext& context) {
             context.stats.count("photons landed", static_cast<double>(landings.count));
             const ScopedPass pass(context.stats, "photon footprints");
             const Splats splats =
-                build_splats(context.scene, mesh, landings, context.device.largest_point_size());
+                build_splats(context.scene, media, mesh, landings, context.device.largest_point_size());
             renderer.add(splats);
             context.stats.count("photons without neighbors", static_cast<double>(splats.without_neighbors));
         }

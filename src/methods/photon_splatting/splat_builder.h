@@ -5,6 +5,7 @@
 
 #include "layout/splat.h"
 #include "light/beam_mesh.h"
+#include "media/media.h"
 #include "methods/photon_splatting/landing.h"
 #include "scene/frame_scene.h"
 
@@ -20,8 +21,9 @@ struct Splats {
 
 /// Turns landed photons into splats: the footprint is spanned by the neighbours' rays, landed on the tangent
 /// plane of the photon's own landing point (Ouyang & Yang 2020: photon difference scattering), so what the
-/// neighbours hit does not matter. `largest_point`: pixels.
-Splats build_splats(const scene::FrameScene& scene, const light::BeamMesh& mesh, const Landings& landings,
-                    float largest_point);
+/// neighbours hit does not matter. Their power is what the media on both sides of the water let through along
+/// the photon's own way. `largest_point`: pixels.
+Splats build_splats(const scene::FrameScene& scene, const media::Media& media, const light::BeamMesh& mesh,
+                    const Landings& landings, float largest_point);
 
 }  // namespace dapple::methods
