@@ -244,6 +244,16 @@ std::vector<BeamSheet<Real>> water_beams(const scene::FrameScene& scene, const r
     return sheets;
 }
 
+bool may_part_channels(const scene::FrameState& state, const scene::Light& light) {
+    const auto uneven = [](const glm::dvec3& extinction) { return extinction != glm::dvec3(extinction.g); };
+    const bool from_below = light.type != scene::LightType::sun && light.position.y < 0;
+    const scene::MediumSide other = from_below ? scene::MediumSide::air : scene::MediumSide::water;
+    return (from_below && state.water && uneven(state.water->extinction())) ||
+           std::any_of(state.media.begin(), state.media.end(), [&](const scene::Medium& medium) {
+               return medium.side != other && medium.density > 0 && uneven(medium.extinction);
+           });
+}
+
 template std::vector<BeamSheet<float>> water_beams(const scene::FrameScene&, const rays::RayScene&, Chain,
                                                    int, FrameStats&);
 template std::vector<BeamSheet<double>> water_beams(const scene::FrameScene&, const rays::RayScene&, Chain,

@@ -87,4 +87,8 @@ template <class Real>
 std::vector<BeamSheet<Real>> water_beams(const scene::FrameScene& scene, const rays::RayScene& rays,
                                          Chain chain, int sun_samples, FrameStats& stats);
 
+/// Whether the channels of a light may be dimmed unevenly before the surface, so that they have sheets of
+/// their own: by the state alone, for the memory that is needed.
+bool may_part_channels(const scene::FrameState& state, const scene::Light& light);
+
 }  // namespace dapple::light

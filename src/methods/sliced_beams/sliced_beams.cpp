@@ -114,15 +114,17 @@ std::size_t SlicedBeams::bytes(const scene::FrameState& state, std::size_t) cons
     for (const scene::Light& light : state.lights) {
         const bool disc = light.type == scene::LightType::sun && light.angular_diameter > 0;
         const double parts = disc ? state.caustics.sliced_beams.sun_samples : 1;
-        const double bands = state.water->dispersion > 0 ? 3 : 1;
+        const double dimmed = light::may_part_channels(state, light) ? 3 : 1;
+        const double bands = state.water->dispersion > 0 ? 3 : dimmed;
         // Lamps send reflected light about further axes: five sheets, measured for a low one.
-        sheets += parts * (bands + (light.type == scene::LightType::sun ? 1 : 5));
+        sheets += parts * (bands + dimmed * (light.type == scene::LightType::sun ? 1 : 5));
     }
     // While beams are traced and paths counted: events of vertices, shares and flags of triangles; on the
     // device a copy of the rays and indices of corners.
     const double vertices = static_cast<double>(grid.vertices()),
                  triangles = static_cast<double>(grid.triangles());
-    const double beside = 29 * vertices + 22 * triangles;
+    const double depths = state.media.empty() ? 0 : 3 * sizeof(float);
+    const double beside = (29 + depths) * vertices + 22 * triangles;
     return static_cast<std::size_t>(
         std::min(0x1p61, beside + sheets * (vertex * vertices + beam * triangles)));
 }
