@@ -56,7 +56,7 @@ std::uint64_t address_space() {
 void write_all(const void* data, std::size_t size) {
     const char* next = static_cast<const char*>(data);
     while (size > 0) {
-        const ssize_t written = ::write(STDOUT_FILENO, next, size);
+        const ssize_t written = ::write(kReplyFile, next, size);
         if (written < 0 && errno == EINTR) continue;
         if (written <= 0) std::_Exit(1);
         next += written;

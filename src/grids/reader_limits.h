@@ -20,7 +20,7 @@ void limit_memory(const char* file, std::uint64_t most_bytes);
 /// What happens then.
 [[noreturn]] void run_out_of_memory(std::size_t piece);
 
-/// To standard output; ends the process where nobody reads it.
+/// To kReplyFile; ends the process where nobody reads it.
 void write_all(const void* data, std::size_t size);
 
 /// "12.3 MiB".

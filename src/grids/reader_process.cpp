@@ -48,7 +48,7 @@ private:
 /// The same file under a number that no file of the child has.
 File moved_up(int descriptor) {
     const File old(descriptor);
-    File moved(::fcntl(descriptor, F_DUPFD_CLOEXEC, kVoxelsFile + 1));
+    File moved(::fcntl(descriptor, F_DUPFD_CLOEXEC, kReplyFile + 1));
     if (moved.get() < 0) {
         throw Error(ExitCode::failure, std::string("no file for the reader: ") + std::strerror(errno));
     }
@@ -62,10 +62,11 @@ public:
         posix_spawn_file_actions_t files;
         posix_spawn_file_actions_init(&files);
         posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-        posix_spawn_file_actions_adddup2(&files, output, STDOUT_FILENO);
+        posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
         posix_spawn_file_actions_addopen(&files, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
         posix_spawn_file_actions_adddup2(&files, voxels, kVoxelsFile);
-        posix_spawn_file_actions_addclosefrom_np(&files, kVoxelsFile + 1);
+        posix_spawn_file_actions_adddup2(&files, output, kReplyFile);
+        posix_spawn_file_actions_addclosefrom_np(&files, kReplyFile + 1);
 
         posix_spawnattr_t attributes;
         posix_spawnattr_init(&attributes);

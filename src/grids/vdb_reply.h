@@ -2,8 +2,9 @@
 #include <cstddef>
 #include <cstdint>
 
-/// What dapple-read-vdb says on its standard output: a Reply, then as many GridEntry as it announces. Program
-/// and reader are built together, so the structs are sent as they are.
+/// What dapple-read-vdb writes to file descriptor kReplyFile: a Reply, then as many GridEntry as it announces
+/// (its standard output is for OpenVDB's own warnings). Program and reader are built together, so the structs
+/// are sent as they are.
 ///
 ///     dapple-read-vdb info FILE MOST_BYTES          the grids of a file
 ///     dapple-read-vdb read FILE GRID MOST_BYTES     one grid: its voxels go to file descriptor kVoxelsFile
@@ -11,6 +12,7 @@ namespace dapple::grids {
 
 inline constexpr char kReplyMark[8] = {'d', 'a', 'p', 'p', 'l', 'e', 'v', '1'};
 inline constexpr int kVoxelsFile = 3;
+inline constexpr int kReplyFile = 4;
 inline constexpr std::uint32_t kMostGrids = 10000;
 
 /// Address space of the reader beside what MOST_BYTES allows: room for what a library takes on its way.

@@ -26,7 +26,7 @@ ProcessOutput shell(const std::string& script, double seconds = 60, std::size_t 
 }
 
 TEST(ReaderProcess, GivesTextAndVoxels) {
-    const ProcessOutput output = shell("printf hello; printf voxels >&3; echo lost >&2");
+    const ProcessOutput output = shell("printf hello >&4; printf voxels >&3; echo lost; echo lost >&2");
     EXPECT_EQ(output.failure, "");
     EXPECT_EQ(text_of(output), "hello");
     ASSERT_EQ(output.voxels.size, 6U);
@@ -37,14 +37,15 @@ TEST(ReaderProcess, TellsHowItEnded) {
     EXPECT_THAT(shell("kill -SEGV $$").failure, HasSubstr("signal 11"));
     EXPECT_EQ(shell("exit 3").failure, "ended with code 3");
     EXPECT_EQ(shell("exec sleep 100", 0.05).failure, "took longer than 0.05 s");
-    EXPECT_EQ(shell("while :; do echo more; done").failure, "said too much");
+    EXPECT_EQ(shell("while :; do echo more >&4; done").failure, "said too much");
     EXPECT_EQ(shell("exit 3").voxels.size, 0U);
 }
 
 TEST(ReaderProcess, HasNothingElseOpen) {
     const int descriptor = ::fcntl(STDOUT_FILENO, F_DUPFD, 20);  // not closed on exec
-    EXPECT_EQ(text_of(shell("cd /proc/self/fd && printf '%s ' [0-9]*")).substr(0, 8), "0 1 2 3 ");
-    EXPECT_EQ(text_of(shell("test -e /proc/self/fd/" + std::to_string(descriptor) + " && echo open")), "");
+    EXPECT_EQ(text_of(shell("cd /proc/self/fd && printf '%s ' [0-9]* >&4")).substr(0, 10), "0 1 2 3 4 ");
+    EXPECT_EQ(text_of(shell("test -e /proc/self/fd/" + std::to_string(descriptor) + " && echo open >&4")),
+              "");
     ::close(descriptor);
 }
 
