@@ -60,8 +60,7 @@ int CameraSegments::paths_across(std::size_t pixels) {
 
 CameraSegments::CameraSegments(const scene::FrameScene& scene, const rays::RayScene& rays,
                                const view::SegmentLayer& layer)
-    : segments(layer.segments()) {
-    const view::Camera::SampleCell part = view::Camera::sample_cell(layer.sample, scene.state.clip.samples);
+    : segments(layer.segments()), throughput(layer.throughput.begin(), layer.throughput.end()) {
     const EyeTest from_eye(scene);
     const std::size_t pixels = layer.first.size() - 1;
     std::vector<std::uint8_t> straight(segments, 0);
@@ -75,10 +74,10 @@ CameraSegments::CameraSegments(const scene::FrameScene& scene, const rays::RaySc
     const int across = simple ? 1 : paths_across(pixels);
     std::vector<std::uint32_t> alike(segments, simple ? 1 : 0);
     std::vector<CameraBeam> found;
-    const glm::dvec2 size = part.size / static_cast<double>(across);
+    const glm::dvec2 size(1.0 / across);
     for (int k = 0; !simple && k < across * across; ++k) {
         view::LayerRequest request{layer.sample, layer.branch};
-        request.offset = part.corner + size * (glm::dvec2(k % across, k / across) + 0.5);
+        request.offset = size * (glm::dvec2(k % across, k / across) + 0.5);
         view::LayerCounts ignored;
         view::SegmentLayer sub;
         view::trace_layer(scene, rays, request, ignored, &sub);
@@ -105,7 +104,7 @@ CameraSegments::CameraSegments(const scene::FrameScene& scene, const rays::RaySc
     beam_count = found.size();
     beams = CameraBeams(std::move(found), 0.5 * size);
 
-    eye.emplace(scene, from_eye.in_water, part);
+    eye.emplace(scene, from_eye.in_water);
     for (std::size_t pixel = 0; pixel < pixels && from_eye.perspective; ++pixel) {
         const std::size_t own = layer.first[pixel];
         if (own == layer.first[pixel + 1] || straight[own] == 0 || alike[own] == 0) continue;

@@ -9,21 +9,22 @@
 
 namespace dapple::reference {
 
-/// The camera's side of S of one layer of segments: what a pixel's segment is to hold is the mean over the
-/// part of the pixel that the sample stands for. Over the camera paths of that part that have a segment of
-/// the same number in the same medium it is the mean of what they receive from it, over the throughput of the
-/// layer's own. Segments from the eye of a perspective camera are left to an EyeConnection, all others (and
-/// those of orthographic cameras) to CameraBeams around a grid of sub-pixel paths.
+/// The camera's side of S of one layer of segments. What a segment is to hold stands for its whole pixel: the
+/// mean, over the camera paths of the pixel that have a segment of the same number in the same medium, of
+/// what they receive from it, over the throughput of the layer's own. Segments from the eye of a perspective
+/// camera are left to an EyeConnection, all others (and those of orthographic cameras) to CameraBeams around
+/// a grid of sub-pixel paths.
 struct CameraSegments {
     std::optional<EyeConnection> eye;
     CameraBeams beams;
     std::size_t segments = 0;
+    std::vector<glm::dvec3> throughput;  ///< of the layer's own
     std::size_t beam_count = 0;
 
     CameraSegments(const scene::FrameScene& scene, const rays::RayScene& rays,
                    const view::SegmentLayer& layer);
 
-    /// Most sub-pixel paths along each side of a sample's part of the pixel; fewer in large pictures.
+    /// Most sub-pixel paths along each side of the pixel; fewer in large pictures.
     static constexpr int kMostAcross = 8;
     static int paths_across(std::size_t pixels);
 };

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "view/camera.h"
+
 namespace dapple::reference {
 namespace {
 
@@ -15,8 +17,8 @@ constexpr double kMostEvents = 0x1p20;
 
 }  // namespace
 
-EyeConnection::EyeConnection(const scene::FrameScene& scene, bool in_water, view::Camera::SampleCell cell)
-    : scene_(scene), in_water_(in_water), cell_(cell) {
+EyeConnection::EyeConnection(const scene::FrameScene& scene, bool in_water)
+    : scene_(scene), in_water_(in_water) {
     const scene::Clip& clip = scene.state.clip;
     const view::Camera camera(scene.state.camera, clip.width, clip.height);
     eye_ = scene.state.camera.position - scene.origin;
@@ -74,7 +76,6 @@ void EyeConnection::add_events(const LightWay& way, MediaProbe& light_probe, Med
     const double count = std::isfinite(wanted) ? std::clamp(std::ceil(wanted), 1.0, kMostEvents) : 1;
     const bool bounded = media.any_bounded(in_water_);
     if (bounded) light_probe.start(way.position, way.direction, in_water_);
-    const double cell_area = cell_.size.x * cell_.size.y;
     const auto width = static_cast<std::size_t>(scene_.state.clip.width);
     for (double i = 0; i < count; ++i) {
         // Evenly in the picture; perspective gives the place on the way.
@@ -87,8 +88,6 @@ void EyeConnection::add_events(const LightWay& way, MediaProbe& light_probe, Med
         const glm::dvec2 corner =
             glm::clamp(glm::floor(pixel), glm::dvec2(0),
                        glm::dvec2(scene_.state.clip.width - 1, scene_.state.clip.height - 1));
-        const glm::dvec2 within = pixel - corner - cell_.corner;
-        if (within.x < 0 || within.y < 0 || within.x >= cell_.size.x || within.y >= cell_.size.y) continue;
         const Target& target =
             targets[static_cast<std::size_t>(corner.y) * width + static_cast<std::size_t>(corner.x)];
         if (target.segment == kNone) continue;
@@ -109,9 +108,9 @@ void EyeConnection::add_events(const LightWay& way, MediaProbe& light_probe, Med
         } else {
             transmittance = media.through_water(along + distance);
         }
-        // Of the mean over the cell: d(pixels^2) / d(solid angle) = 1 / (pixel size^2 cos^3).
-        const double density = 1 / (pixel_size_ * pixel_size_ * depth_share * depth_share * depth_share *
-                                    distance * distance * cell_area);
+        // Of the mean over the pixel: d(pixels^2) / d(solid angle) = 1 / (pixel size^2 cos^3).
+        const double density =
+            1 / (pixel_size_ * pixel_size_ * depth_share * depth_share * depth_share * distance * distance);
         event.near_end = eye_;
         event.radiance = step * density * way.power * scattering * transmittance * target.factor;
         event.segment = target.segment;

@@ -7,7 +7,6 @@
 #include "methods/reference/own_media.h"
 #include "methods/reference/scattering_event.h"
 #include "scene/frame_scene.h"
-#include "view/camera.h"
 
 namespace dapple::reference {
 
@@ -19,8 +18,8 @@ namespace dapple::reference {
 /// however near the eye they are.
 class EyeConnection {
 public:
-    /// `scene` outlives it. `cell`: the part of the pixels that counts.
-    EyeConnection(const scene::FrameScene& scene, bool in_water, view::Camera::SampleCell cell);
+    /// `scene` outlives it.
+    EyeConnection(const scene::FrameScene& scene, bool in_water);
 
     static constexpr std::uint32_t kNone = 0xffffffffu;
     /// Of each pixel: the segment, or kNone, and the factor from radiance at the eye to S of that segment.
@@ -49,7 +48,6 @@ private:
     glm::dmat4 pixel_from_relative_{1.0};
     double pixel_size_ = 0;  ///< of a pixel at unit distance
     bool in_water_ = false;
-    view::Camera::SampleCell cell_;
     double typical_distance_ = 1;  ///< m from the eye, at which events lie kSpacing apart
     bool any_ = false;
 };

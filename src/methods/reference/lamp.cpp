@@ -76,7 +76,13 @@ Lamp::Grid Lamp::grid(const LightPass& pass) const {
     return {columns, (pass.strata + columns - 1) / columns};
 }
 
+double Lamp::aspect() const {
+    const glm::dvec2 size = scene_.state.water->extent.size;
+    return water_.surface().is_height_field() ? size.x / size.y : 0;
+}
+
 std::size_t Lamp::strata(const LightPass& pass) const {
+    if (pass.layout != nullptr) return pass.layout->strata();
     const Grid size = grid(pass);
     return size.columns * size.rows;
 }
@@ -92,8 +98,15 @@ std::vector<WaterPoint> Lamp::sample_triangles(const LightPass& pass, std::size_
     const double stretch = static_cast<double>(mesh.triangles.size()) / static_cast<double>(size.columns);
     for (std::size_t i = 0; i < count; ++i) {
         const std::size_t stratum = begin + i;
-        const double place = stretch * (static_cast<double>(stratum) +
-                                        random_number(scene_.state, pass, index_, stratum, kFacet));
+        const double facet = random_number(scene_.state, pass, index_, stratum, kFacet);
+        double share = stretch;  // triangles that the point stands for
+        double place = stretch * (static_cast<double>(stratum) + facet);
+        if (pass.layout != nullptr) {
+            const StrataLayout::Cell cell = pass.layout->cell(stratum);
+            const auto triangles = static_cast<double>(mesh.triangles.size());
+            share = cell.width * triangles;
+            place = (cell.x + cell.width * facet) * triangles;
+        }
         const glm::uvec3 corner =
             mesh.triangles[std::min(mesh.triangles.size() - 1, static_cast<std::size_t>(place))];
         const double root = std::sqrt(random_number(scene_.state, pass, index_, stratum, kAlong));
@@ -104,7 +117,7 @@ std::vector<WaterPoint> Lamp::sample_triangles(const LightPass& pass, std::size_
         };
         const glm::dvec3& a = mesh.positions[corner.x];
         points[i].position = at(mesh.positions) - scene_.origin;
-        points[i].area = 0.5 * stretch * cross(mesh.positions[corner.y] - a, mesh.positions[corner.z] - a);
+        points[i].area = 0.5 * share * cross(mesh.positions[corner.y] - a, mesh.positions[corner.z] - a);
         points[i].normal = normalize(at(mesh.normals));
     }
     return points;
@@ -118,21 +131,25 @@ std::vector<WaterPoint> Lamp::sample_height_field(const LightPass& pass, std::si
     const Grid size = grid(pass);
     const scene::Extent& extent = scene_.state.water->extent;
     const glm::dvec2 corner = extent.center - 0.5 * extent.size;
-    const glm::dvec2 cell = extent.size / glm::dvec2(size.columns, size.rows);
+    const glm::dvec2 even = extent.size / glm::dvec2(size.columns, size.rows);
+    std::vector<glm::dvec2> cells(count, even);
     std::vector<double> x(count), z(count), height(count), slope_x(count), slope_z(count);
     for (std::size_t i = 0; i < count; ++i) {
         const std::size_t stratum = begin + i;
-        x[i] = corner.x + cell.x * (static_cast<double>(stratum % size.columns) +
-                                    random_number(scene_.state, pass, index_, stratum, kAcross));
-        const std::size_t row = stratum / size.columns;
-        z[i] = corner.y + cell.y * (static_cast<double>(row) +
-                                    random_number(scene_.state, pass, index_, stratum, kAlong));
+        glm::dvec2 low = even * glm::dvec2(stratum % size.columns, stratum / size.columns);
+        if (pass.layout != nullptr) {
+            const StrataLayout::Cell cell = pass.layout->cell(stratum);
+            low = glm::dvec2(cell.x, cell.y) * extent.size;
+            cells[i] = glm::dvec2(cell.width, cell.height) * extent.size;
+        }
+        x[i] = corner.x + low.x + cells[i].x * random_number(scene_.state, pass, index_, stratum, kAcross);
+        z[i] = corner.y + low.y + cells[i].y * random_number(scene_.state, pass, index_, stratum, kAlong);
     }
     water_.surface().evaluate(x, z, height, slope_x, slope_z);
     for (std::size_t i = 0; i < count; ++i) {
         const glm::dvec3 upwards(-slope_x[i], 1, -slope_z[i]);
         points[i].position = glm::dvec3(x[i], height[i], z[i]) - scene_.origin;
-        points[i].area = cell.x * cell.y * upwards;
+        points[i].area = cells[i].x * cells[i].y * upwards;
         points[i].normal = normalize(upwards);
     }
     return points;
@@ -165,6 +182,7 @@ std::optional<Incoming> Lamp::illuminate(const LightPass& pass, const WaterPoint
     if (!(incoming.side > 0 ? from_above_ : from_below_)) return {};
     incoming.power = std::abs(facing) * across;
     incoming.random = branched(branched(pass.strata, pass.number), stratum << 8 | index_);
+    incoming.stratum = static_cast<std::uint32_t>(stratum);
     if (!finite(incoming.power) || !(mean(incoming.power) > 0)) return {};
     return incoming;
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "methods/reference/own_media.h"
+#include "methods/reference/strata_layout.h"
 #include "methods/reference/water_rays.h"
 #include "rays/ray_scene.h"
 #include "scene/frame_scene.h"
@@ -14,8 +15,9 @@ namespace dapple::reference {
 
 /// One set of light rays, stratified over the water: each pass is an estimate of its own.
 struct LightPass {
-    std::uint64_t number = 0;  ///< of the pass; its random numbers follow from it and `strata`
-    std::size_t strata = 0;    ///< asked for; strata() may be a few more
+    std::uint64_t number = 0;              ///< of the pass; its random numbers follow from it and `strata`
+    std::size_t strata = 0;                ///< asked for; strata() may be a few more
+    const StrataLayout* layout = nullptr;  ///< where they lie; null: evenly over the water
 };
 
 /// A place on the water that stands for an area of it.
@@ -33,6 +35,7 @@ struct Incoming {
     double side = 1;           ///< 1: from the air; -1: from the water
     double distance = 0;       ///< m from the lamp; infinite for a sun
     std::uint64_t random = 0;  ///< index of its random numbers
+    std::uint32_t stratum = 0;
 };
 
 /// One light and how it falls on the water.
@@ -47,6 +50,8 @@ public:
     /// Whether some of its light may meet waves before it comes to where it is sampled.
     bool waves_may_shadow() const { return waves_may_shadow_; }
     bool may_shine_from_below() const { return from_below_; }
+    /// Of the water, for a StrataLayout.
+    double aspect() const;
 
     /// Strata of a pass: those asked for, or a few more.
     std::size_t strata(const LightPass& pass) const;

@@ -100,6 +100,7 @@ void LightTracer::meet_water(const LitBy& by, const Incoming& incoming, std::vec
     ray.direction = incoming.direction;
     ray.events = 1;
     ray.random = incoming.random;
+    ray.stratum = incoming.stratum;
     const auto add = [&](const glm::dvec3& power, double index) {
         ray.power = power;
         ray.index = index;
@@ -165,8 +166,8 @@ void LightTracer::follow(std::vector<LightRay>& rays, Harvest& harvest) const {
 void LightTracer::go(LightRay& ray, double distance, Harvest& harvest) const {
     distance = std::max(0.0, distance);
     if (harvest.ways != nullptr && finite(ray.power))
-        harvest.ways->push_back(
-            {ray.position, ray.direction, distance, ray.power, ray.in_water, branched(ray.random, 3)});
+        harvest.ways->push_back({ray.position, ray.direction, distance, ray.power, ray.in_water,
+                                 branched(ray.random, 3), ray.stratum});
     if (std::isinf(distance)) return;
     RandomStream random{scene_.state.clip.seed, static_cast<std::uint64_t>(scene_.state.frame), ray.random};
     ray.power *= harvest.probe.transmittance(ray.position, ray.direction, distance, ray.in_water, random);

@@ -37,6 +37,7 @@ struct LightWay {
     glm::dvec3 power{0};      ///< W a channel, where it begins
     bool in_water = false;
     std::uint64_t random = 0;  ///< index for random numbers
+    std::uint32_t stratum = 0;
 };
 
 /// Follows light from the lights through one event at the water and any chain of specular events after it to
@@ -55,6 +56,7 @@ public:
 
     /// Lights that have a chain and shine on the water.
     std::size_t lights() const { return lights_.size(); }
+    const Lamp& lamp(std::size_t light) const { return lights_[light].lamp; }
     /// Strata of a pass, for each light.
     std::size_t strata(const LightPass& pass) const;
     /// Traces strata [begin, end) of one light and appends what arrives, in a fixed order, and, where `ways`
@@ -79,6 +81,7 @@ private:
         bool in_water = false;
         bool left_water = true;    ///< it starts on the water's surface
         std::uint64_t random = 0;  ///< index of its random numbers
+        std::uint32_t stratum = 0;
     };
     /// What a tile of strata gives.
     struct Harvest {

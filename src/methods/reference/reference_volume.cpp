@@ -1,3 +1,6 @@
+#include <cmath>
+#include <optional>
+
 #include "methods/reference/camera_segments.h"
 #include "methods/reference/reference_state.h"
 #include "methods/reference/volume_pass.h"
@@ -65,19 +68,27 @@ void Reference::in_scatter(FrameContext& context, const view::SegmentLayer& laye
             camera.emplace(context.scene, context.rays, layer);
         }
         const ScopedPass pass(context.stats, "reference volume light");
+        const reference::VolumeJob job{context.scene, context.rays, state.tracer, *camera,
+                                       context.checkpoint.stop};
+        const std::vector<reference::WaterWeights> weights = reference::water_weights(job);
+        if (weights.size() < state.tracer.lights()) state.interrupt(context.checkpoint);
         std::vector<glm::dvec3> found;
+        scene::ReferenceParameters wanted = context.scene.state.caustics.reference;
+        wanted.standard_error *= std::sqrt(context.scene.state.clip.samples);
+        const auto first_pass =
+            reference::kPasses * static_cast<std::uint64_t>(2 * layer.sample + layer.branch);
         while (!estimate.done) {
-            const LightPass light_pass{estimate.passes, static_cast<std::size_t>(estimate.strata)};
-            if (!reference::run_volume_pass(context.scene, context.rays, state.tracer, light_pass, *camera,
-                                            context.checkpoint.stop, found))
+            const LightPass light_pass{first_pass + estimate.passes,
+                                       static_cast<std::size_t>(estimate.strata)};
+            std::size_t rays = 0;
+            if (!reference::run_volume_pass(job, light_pass, weights, found, rays))
                 state.interrupt(context.checkpoint);
-            const std::size_t rays = state.tracer.strata(light_pass);
             context.stats.count("reference volume passes", 1);
-            context.stats.count("reference volume rays", static_cast<double>(rays * state.tracer.lights()));
+            context.stats.count("reference volume rays", static_cast<double>(rays));
             estimate.add_pass(values_of(layer, std::move(found)));
             if (estimate.passes == reference::kPasses)
-                estimate.end_round(segments, rays, reference::kInScatterExponent,
-                                   context.scene.state.caustics.reference);
+                estimate.end_round(segments, rays / std::max<std::size_t>(1, state.tracer.lights()),
+                                   reference::kInScatterExponent, wanted);
             state.save_at_times(context.checkpoint);
         }
         state.save(context.checkpoint);

@@ -15,6 +15,10 @@ constexpr std::size_t kKeptBytes = 128ull << 20;  ///< of tiles that wait to be 
 constexpr std::size_t kMostTilesAtOnce = 64;
 constexpr std::size_t kBatch = 1024;  ///< events whose visibility is asked at one go
 
+constexpr std::size_t kPilotStrata = 65536;
+/// A number that no other pass has.
+constexpr std::uint64_t kPilotPass = 0xffffff;
+
 /// Drops events that objects or waves hide from the near end, and adds the rest.
 class EventSink {
 public:
@@ -76,42 +80,82 @@ private:
     std::vector<std::size_t> tested_;
 };
 
+/// Traces strata [begin, end) of one light and adds what they scatter to `sums`. `number` picks an event's
+/// place there.
+template <class Number>
+void trace_events(const VolumeJob& job, const LightPass& pass, std::size_t light, std::size_t begin,
+                  std::size_t end, std::vector<glm::dvec3>& sums, const Number& number) {
+    std::vector<Arrival> ignored;
+    std::vector<LightWay> ways;
+    job.tracer.trace(pass, light, begin, end, ignored, &ways);
+    EventSink sink(job.scene, job.rays, job.tracer, sums);
+    MediaProbe along_light(job.tracer.media()), to_eye(job.tracer.media());
+    const scene::FrameState& state = job.scene.state;
+    for (const LightWay& way : ways) {
+        RandomStream random{state.clip.seed, static_cast<std::uint64_t>(state.frame), way.random};
+        const std::size_t first = sink.events.size();
+        if (job.segments.eye->any())
+            job.segments.eye->add_events(way, along_light, to_eye, random, sink.events);
+        if (job.segments.beams.any())
+            job.segments.beams.add_events(way, along_light, to_eye, random, sink.events);
+        for (std::size_t i = first; i < sink.events.size(); ++i) number(way, sink.events[i]);
+        if (sink.events.size() >= kBatch) sink.flush();
+    }
+    sink.flush();
+}
+
 }  // namespace
 
-bool run_volume_pass(const scene::FrameScene& scene, const rays::RayScene& rays, const LightTracer& tracer,
-                     const LightPass& pass, const CameraSegments& segments, const std::function<bool()>& stop,
-                     std::vector<glm::dvec3>& radiance) {
-    radiance.assign(segments.segments, glm::dvec3(0));
-    const std::size_t strata = tracer.strata(pass);
-    const std::size_t tile = std::max(kTile, segments.segments / kSegmentsAStratum);
+std::vector<WaterWeights> water_weights(const VolumeJob& job) {
+    std::vector<WaterWeights> result;
+    for (std::size_t light = 0; light < job.tracer.lights(); ++light) {
+        StrataLayout even(job.tracer.lamp(light).aspect(), kPilotStrata);
+        const LightPass pass{kPilotPass, kPilotStrata, &even};
+        std::vector<glm::dvec3> brought(even.strata(), glm::dvec3(0));
+        if (job.stop()) return {};
+        parallel_for(even.strata(), kTile, [&](std::size_t begin, std::size_t end) {
+            // Strata lie apart in `brought`: threads do not meet.
+            trace_events(job, pass, light, begin, end, brought,
+                         [&](const LightWay& way, ScatteringEvent& event) {
+                             event.radiance *= job.segments.throughput[event.segment];
+                             event.segment = way.stratum;
+                         });
+        });
+        std::vector<double> squares(even.tiles(), 0);
+        for (std::size_t stratum = 0; stratum < brought.size(); ++stratum)
+            squares[even.tile(stratum)] += mean(brought[stratum]) * mean(brought[stratum]);
+        std::vector<double> weights = even.widened(squares);
+        for (double& weight : weights) weight = std::sqrt(weight);
+        result.push_back({std::move(even), std::move(weights)});
+    }
+    return result;
+}
+
+bool run_volume_pass(const VolumeJob& job, LightPass pass, const std::vector<WaterWeights>& weights,
+                     std::vector<glm::dvec3>& radiance, std::size_t& rays) {
+    const std::size_t segments = job.segments.segments;
+    radiance.assign(segments, glm::dvec3(0));
+    rays = 0;
+    const std::size_t tile = std::max(kTile, segments / kSegmentsAStratum);
     const std::size_t at_once = std::clamp<std::size_t>(
-        kKeptBytes / (sizeof(glm::dvec3) * std::max<std::size_t>(1, segments.segments)), 1, kMostTilesAtOnce);
+        kKeptBytes / (sizeof(glm::dvec3) * std::max<std::size_t>(1, segments)), 1, kMostTilesAtOnce);
     std::vector<std::vector<glm::dvec3>> sums(at_once);
-    for (std::size_t light = 0; light < tracer.lights(); ++light) {
+    for (std::size_t light = 0; light < job.tracer.lights(); ++light) {
+        const StrataLayout layout(weights[light].tiles, weights[light].weights, pass.strata);
+        pass.layout = &layout;
+        const std::size_t strata = layout.strata();
+        rays += strata;
         for (std::size_t first = 0; first < strata; first += tile * at_once) {
-            if (stop()) return false;
+            if (job.stop()) return false;
             const std::size_t count = std::min(strata - first, tile * at_once);
             parallel_for(count, tile, [&](std::size_t begin, std::size_t end) {
                 std::vector<glm::dvec3>& sum = sums[begin / tile];
-                sum.assign(segments.segments, glm::dvec3(0));
-                std::vector<Arrival> ignored;
-                std::vector<LightWay> ways;
-                tracer.trace(pass, light, first + begin, first + end, ignored, &ways);
-                EventSink sink(scene, rays, tracer, sum);
-                MediaProbe along_light(tracer.media()), to_eye(tracer.media());
-                for (const LightWay& way : ways) {
-                    RandomStream random{scene.state.clip.seed, static_cast<std::uint64_t>(scene.state.frame),
-                                        way.random};
-                    if (segments.eye->any())
-                        segments.eye->add_events(way, along_light, to_eye, random, sink.events);
-                    if (segments.beams.any())
-                        segments.beams.add_events(way, along_light, to_eye, random, sink.events);
-                    if (sink.events.size() >= kBatch) sink.flush();
-                }
-                sink.flush();
+                sum.assign(segments, glm::dvec3(0));
+                trace_events(job, pass, light, first + begin, first + end, sum,
+                             [](const LightWay&, ScatteringEvent&) {});
             });
             for (std::size_t t = 0; t * tile < count; ++t)
-                for (std::size_t i = 0; i < radiance.size(); ++i) radiance[i] += sums[t][i];
+                for (std::size_t i = 0; i < segments; ++i) radiance[i] += sums[t][i];
         }
     }
     return true;

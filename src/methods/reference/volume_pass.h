@@ -8,11 +8,28 @@
 
 namespace dapple::reference {
 
-/// Traces all lights of one pass and gives S [W/m^2/sr] of each segment in `radiance`. Tiles of strata, whose
-/// size depends on the number of segments alone, are added in their order, so that the bits do not depend on
-/// the number of threads. False, with `radiance` useless, as soon as `stop` says so.
-bool run_volume_pass(const scene::FrameScene& scene, const rays::RayScene& rays, const LightTracer& tracer,
-                     const LightPass& pass, const CameraSegments& segments, const std::function<bool()>& stop,
-                     std::vector<glm::dvec3>& radiance);
+/// The light and the camera's side of one layer.
+struct VolumeJob {
+    const scene::FrameScene& scene;
+    const rays::RayScene& rays;
+    const LightTracer& tracer;
+    const CameraSegments& segments;
+    const std::function<bool()>& stop;
+};
+
+/// For each light of the tracer the tiles of the water and what a ray of them brings to the picture, root
+/// mean square. Empty where the user wants to stop.
+struct WaterWeights {
+    StrataLayout tiles;
+    std::vector<double> weights;
+};
+std::vector<WaterWeights> water_weights(const VolumeJob& job);
+
+/// Traces all lights of one pass and gives S [W/m^2/sr] of each segment in `radiance`, and the number of rays
+/// of all lights. Tiles of strata, whose size depends on the number of segments alone, are added in their
+/// order, so that the bits do not depend on the number of threads. False, with `radiance` useless, as soon as
+/// `stop` says so.
+bool run_volume_pass(const VolumeJob& job, LightPass pass, const std::vector<WaterWeights>& weights,
+                     std::vector<glm::dvec3>& radiance, std::size_t& rays);
 
 }  // namespace dapple::reference
