@@ -164,34 +164,36 @@ void GridWalk::walk(const Line& line, Interval part, Reader& reader, Visit&& vis
     }
 }
 
-double GridWalk::column(const Line& line, Interval part) const {
+/// Calls visit(piece) for the cells on the line that hold density.
+template <class Visit>
+void GridWalk::visit_pieces(const Line& line, Interval part, Visit&& visit) const {
     Lease lease(*this);
     Reader& reader = lease.reader();
-    double sum = 0, reached = part.begin, last = 0;
+    Piece piece;
     float corners[8];
     walk(line, part, reader, [&](const glm::ivec3& cell, double begin, double end) {
         reader.cell(cell, corners);
         if (all_zero(corners)) return;
         const CellDensity density(line, cell, corners);
-        const double first = reached == begin && last > 0 ? last : density.at(begin);
-        last = density.at(end);
-        reached = end;
-        // Along a line trilinear density is a cubic, which Simpson's rule integrates exactly.
-        sum += (end - begin) * (first + 4 * density.at(0.5 * (begin + end)) + last);
+        // Density is the same on both sides of a face.
+        const bool adjoins = piece.end == begin && piece.end > piece.begin;
+        piece.first = adjoins ? piece.last : density.at(begin);
+        piece.begin = begin;
+        piece.end = end;
+        piece.middle = density.at(0.5 * (begin + end));
+        piece.last = density.at(end);
+        visit(piece);
     });
-    return sum / 6;
+}
+
+double GridWalk::column(const Line& line, Interval part) const {
+    double sum = 0;
+    visit_pieces(line, part, [&](const Piece& piece) { sum += piece.column(); });
+    return sum;
 }
 
 void GridWalk::append_pieces(const Line& line, Interval part, std::vector<Piece>& pieces) const {
-    Lease lease(*this);
-    Reader& reader = lease.reader();
-    float corners[8];
-    walk(line, part, reader, [&](const glm::ivec3& cell, double begin, double end) {
-        reader.cell(cell, corners);
-        if (all_zero(corners)) return;
-        const CellDensity density(line, cell, corners);
-        pieces.push_back({begin, end, density.at(begin), density.at(0.5 * (begin + end)), density.at(end)});
-    });
+    visit_pieces(line, part, [&](const Piece& piece) { pieces.push_back(piece); });
 }
 
 double GridWalk::density(const glm::dvec3& at) const {

@@ -18,6 +18,7 @@ struct Piece {
     double first = 0;  ///< density just after `begin`
     double middle = 0;
     double last = 0;  ///< just before `end`
+    /// Its integral, by Simpson's rule, which is exact for cubics.
     double column() const { return (end - begin) / 6 * (first + 4 * middle + last); }
 };
 
@@ -34,7 +35,7 @@ public:
 
     /// Integral of the density along a part of the line that lies in the box.
     double column(const Line& line, Interval part) const;
-    /// Appends its pieces where density may be more than 0, a cell each, in order, without overlap.
+    /// Appends its pieces where there is density, a cell each, in order, without overlap.
     void append_pieces(const Line& line, Interval part, std::vector<Piece>& pieces) const;
     double density(const glm::dvec3& at) const;
 
@@ -58,6 +59,8 @@ private:
 
     template <class Visit>
     void walk(const Line& line, Interval part, Reader& reader, Visit&& visit) const;
+    template <class Visit>
+    void visit_pieces(const Line& line, Interval part, Visit&& visit) const;
     void find_blocks();
     bool holds_density(const glm::ivec3& block, Reader& reader) const;
 

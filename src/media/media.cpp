@@ -40,6 +40,17 @@ struct Track {
     std::size_t next = 0;  ///< the first piece that ends after the place that has been reached
 };
 
+/// Adds the ends of pieces to places from 0 to the segment's length, in order, each once.
+void add_places(const std::vector<Piece>& pieces, std::vector<double>& places) {
+    const auto before = static_cast<std::ptrdiff_t>(places.size());
+    for (const Piece& piece : pieces) {
+        places.push_back(piece.begin);
+        places.push_back(piece.end);
+    }
+    std::inplace_merge(places.begin(), places.begin() + before, places.end());
+    places.erase(std::unique(places.begin(), places.end()), places.end());
+}
+
 }  // namespace
 
 struct Media::State {
@@ -128,15 +139,8 @@ DensityProfile Media::profile(const glm::dvec3& origin, const glm::dvec3& direct
         if (overlap.empty()) continue;
         Track& track = tracks.emplace_back(Track{part.component, &part.body, {}});
         part.body.append_pieces(origin, direction, overlap, track.pieces);
-        for (const Piece& piece : track.pieces) {
-            profile.place.push_back(piece.begin);
-            profile.place.push_back(piece.end);
-        }
+        add_places(track.pieces, profile.place);
     }
-    std::sort(profile.place.begin(), profile.place.end());
-    profile.place.erase(std::unique(profile.place.begin(), profile.place.end()), profile.place.end());
-    if (profile.place.size() == 1) profile.place.push_back(length);
-
     const std::size_t places = profile.place.size();
     profile.density.assign(places * components, 0);
     profile.middle.assign(places * components, 0);
