@@ -8,6 +8,7 @@
 #include "base/parallel.h"
 #include "color/grader.h"
 #include "gpu/device.h"
+#include "grids/vdb_file.h"
 #include "run/memory_budget.h"
 #include "run/timeline_source.h"
 #include "scene/schema.h"
@@ -52,15 +53,37 @@ ExitCode info() {
     return ExitCode::done;
 }
 
+std::string at(const glm::ivec3& voxel) {
+    return std::to_string(voxel.x) + " " + std::to_string(voxel.y) + " " + std::to_string(voxel.z);
+}
+
+ExitCode info_of_grids(const std::string& file) {
+    for (const grids::VdbGridInfo& grid : grids::read_vdb_info(file)) {
+        std::printf("%-13s %s, %s, %lld voxels", grid.name.c_str(), grid.value_type.c_str(),
+                    grid.grid_class.c_str(), static_cast<long long>(grid.active_voxels));
+        if (grid.active_voxels > 0) {
+            std::printf(" of %g x %g x %g from (%s) to (%s), %s to load", grid.voxel_size.x,
+                        grid.voxel_size.y, grid.voxel_size.z, at(grid.low).c_str(), at(grid.high).c_str(),
+                        run::format_bytes(static_cast<double>(grid.loading_bytes)).c_str());
+        }
+        std::printf("\n");
+    }
+    return ExitCode::done;
+}
+
 }  // namespace
 
 void add_info_verb(CLI::App& app, Run& run) {
     const auto keys = std::make_shared<bool>(false);
-    CLI::App* verb =
-        app.add_subcommand("info", "Versions, devices and colour config; or all keys of a timeline");
-    verb->add_flag("--keys", *keys, "Print the keys of a timeline with type, unit, range and default");
-    verb->callback([keys, &run] {
-        run = [keys] {
+    const auto file = std::make_shared<std::string>();
+    CLI::App* verb = app.add_subcommand(
+        "info", "Versions, devices and colour config; or all keys of a timeline, or the grids of a file");
+    CLI::Option* key_reference =
+        verb->add_flag("--keys", *keys, "Print the keys of a timeline with type, unit, range and default");
+    verb->add_option("file", *file, "OpenVDB file")->excludes(key_reference);
+    verb->callback([keys, file, &run] {
+        run = [keys, file] {
+            if (!file->empty()) return info_of_grids(*file);
             if (!*keys) return info();
             std::printf("%s", scene::key_reference().c_str());
             return ExitCode::done;

@@ -132,6 +132,7 @@ ExitCode render(const Arguments& arguments) {
 
     gpu::Device device({.name = arguments.device, .threads = arguments.threads});
     run::TimelineSource source(timeline, device);
+    source.limit_memory(options.max_memory);
     if (arguments.plan) {
         print_plan(source, options.frames);
         return ExitCode::done;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 
 #include "media/media.h"
 #include "methods/registry.h"
@@ -238,21 +239,42 @@ private:
 
 struct FrameRenderer::State {
     Kept kept;
+    std::optional<std::size_t> most_bytes;
+
+    /// All of a frame but its grids.
+    std::size_t other_bytes(const scene::FrameState& state);
+
+    /// What the other parts of the frame leave is for grids.
+    void share_memory(const scene::FrameState& state) {
+        if (!most_bytes) return;
+        const std::size_t others = other_bytes(state);
+        kept.builder.limit_grids(*most_bytes > others ? *most_bytes - others : 0);
+    }
 };
 
-FrameRenderer::FrameRenderer(gpu::Device& device) : state_(new State{{device, {}, {}, {}}}) {}
+FrameRenderer::FrameRenderer(gpu::Device& device) : state_(new State{{device, {}, {}, {}}, {}}) {}
 FrameRenderer::~FrameRenderer() = default;
 
 std::vector<PlanLine> FrameRenderer::plan(const scene::FrameState& state) {
+    state_->share_memory(state);
     return make_plan(state_->kept.builder.build(state), state_->kept.method(state.caustics.method)).lines;
 }
 
 RenderedFrame FrameRenderer::render(const scene::FrameState& state, FrameStats& stats,
                                     const methods::Checkpoint& checkpoint) {
+    state_->share_memory(state);
     return FramePasses(state_->kept, state, stats, checkpoint).run();
 }
 
+void FrameRenderer::limit_memory(std::size_t most_bytes) {
+    state_->most_bytes = most_bytes;
+}
+
 std::size_t FrameRenderer::bytes(const scene::FrameState& state) const {
+    return state_->other_bytes(state) + state_->kept.builder.grid_bytes(state);
+}
+
+std::size_t FrameRenderer::State::other_bytes(const scene::FrameState& state) {
     // In double: a picture of absurd size must not wrap around to a small number.
     const double count = static_cast<double>(state.clip.width) * static_cast<double>(state.clip.height);
     const bool volume = may_scatter(state);
@@ -267,7 +289,7 @@ std::size_t FrameRenderer::bytes(const scene::FrameState& state) const {
         const ocean::GridSize grid = ocean::grid_size(*state.water);
         sum += grid.vertices() * kWaterVertexBytes + grid.triangles() * kWaterTriangleBytes;
     }
-    return sum + state_->kept.method(state.caustics.method).bytes(state, static_cast<std::size_t>(count));
+    return sum + kept.method(state.caustics.method).bytes(state, static_cast<std::size_t>(count));
 }
 
 }  // namespace dapple::render

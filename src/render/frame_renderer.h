@@ -45,8 +45,11 @@ public:
     /// `checkpoint` is the method's; what it throws on a stop, Error(interrupted), passes through.
     RenderedFrame render(const scene::FrameState& state, FrameStats& stats,
                          const methods::Checkpoint& checkpoint = {});
-    /// Estimated peak memory of a frame in bytes, without loading anything large.
+    /// Estimated peak memory of a frame in bytes, without loading anything large. Grids count as much as
+    /// their files say: Error(input_unreadable) where one cannot be read.
     std::size_t bytes(const scene::FrameState& state) const;
+    /// Memory that a frame may take: grids are not loaded beyond it, whatever their files say.
+    void limit_memory(std::size_t most_bytes);
 
 private:
     struct State;

@@ -19,6 +19,8 @@ public:
     std::vector<render::PlanLine> plan(std::int64_t frame);
     SourceFrame render(std::int64_t frame, FrameStats& stats, const methods::Checkpoint& checkpoint) override;
     std::size_t bytes(std::int64_t frame) const override;
+    /// See FrameRenderer::limit_memory.
+    void limit_memory(std::size_t most_bytes) { renderer_.limit_memory(most_bytes); }
 
     image::ExrOptions linear_exr() const;
     image::ExrOptions graded_exr() const;
