@@ -1,0 +1,93 @@
+#include "render/frame_scene_builder.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "base/error.h"
+#include "grids/density_grid.h"
+
+namespace dapple::render {
+namespace {
+
+/// Smoke, a box of fog, and the empty grid of the smoke's files.
+scene::FrameState smoky(std::int64_t frame) {
+    scene::FrameState state;
+    state.clip.first_frame = 10;
+    state.frame = frame;
+    state.media.resize(3);
+    state.media[0].file = DAPPLE_SOURCE_DIR "/sequences/assets/smoke/smoke.%04d.vdb";
+    state.media[0].last_file = 24;
+    state.media[1].type = scene::MediumType::box;
+    state.media[2] = state.media[0];
+    state.media[2].grid = "flame";
+    return state;
+}
+
+TEST(FrameSceneBuilder, LoadsTheGridsOfTheFrame) {
+    FrameSceneBuilder builder;
+    const scene::FrameScene first = builder.build(smoky(10));
+    ASSERT_EQ(first.medium_grids.size(), 3U);
+    ASSERT_NE(first.medium_grids[0], nullptr);
+    EXPECT_EQ(first.medium_grids[1], nullptr);
+    EXPECT_EQ(first.medium_grids[2], nullptr);
+    const scene::FrameScene last = builder.build(smoky(33));
+    EXPECT_GT(last.medium_grids[0]->active_voxels(), 2 * first.medium_grids[0]->active_voxels());
+}
+
+TEST(FrameSceneBuilder, KeepsGridsOfTheFrameBefore) {
+    FrameSceneBuilder builder;
+    scene::FrameState state = smoky(10);
+    state.media[0].step = 0.5;
+    const auto first = builder.build(state).medium_grids[0];
+    state.frame = 11;  // of the same file
+    EXPECT_EQ(builder.build(state).medium_grids[0], first);
+    state.frame = 12;
+    EXPECT_NE(builder.build(state).medium_grids[0], first);
+    state.frame = 10;  // gone meanwhile
+    const auto again = builder.build(state).medium_grids[0];
+    EXPECT_NE(again, first);
+    EXPECT_EQ(again->active_voxels(), first->active_voxels());
+}
+
+TEST(FrameSceneBuilder, OneFileForTwoMediaIsLoadedOnce) {
+    FrameSceneBuilder builder;
+    scene::FrameState state = smoky(10);
+    state.media[2] = state.media[0];
+    const scene::FrameScene scene = builder.build(state);
+    EXPECT_EQ(scene.medium_grids[0], scene.medium_grids[2]);
+    const std::uint64_t once = builder.grid_bytes(smoky(10));
+    EXPECT_EQ(builder.grid_bytes(state), once - 2 * 1304);  // the empty tree of "flame"
+}
+
+TEST(FrameSceneBuilder, FilesThatAreNotThere) {
+    FrameSceneBuilder builder;
+    scene::FrameState state = smoky(34);
+    state.media[0].last_file = 99;
+    EXPECT_THROW(builder.build(state), Error);
+    EXPECT_THROW(builder.grid_bytes(state), Error);
+    state.media[0].missing = scene::MissingGrid::empty;
+    EXPECT_EQ(builder.build(state).medium_grids[0], nullptr);
+    state.media[0].missing = scene::MissingGrid::hold;
+    EXPECT_NE(builder.build(state).medium_grids[0], nullptr);
+}
+
+TEST(FrameSceneBuilder, GridsStayWithinTheirMemory) {
+    FrameSceneBuilder builder;
+    const scene::FrameState state = smoky(33);
+    const std::uint64_t bytes = builder.grid_bytes(state);
+    // The last file: two trees of 485 552 bytes, and the two of the empty grid.
+    EXPECT_EQ(bytes, 2U * (485552 + 1304));
+    builder.limit_grids(bytes / 2);
+    try {
+        builder.build(state);
+        ADD_FAILURE();
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ExitCode::out_of_memory_budget);
+        EXPECT_THAT(error.what(), testing::HasSubstr("smoke.0024.vdb"));
+    }
+    builder.limit_grids(bytes);
+    EXPECT_NE(builder.build(state).medium_grids[0], nullptr);
+}
+
+}  // namespace
+}  // namespace dapple::render
