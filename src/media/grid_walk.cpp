@@ -8,8 +8,7 @@
 namespace dapple::media {
 namespace {
 
-constexpr int kBlock = 8;                                  // cells along a block
-constexpr std::size_t kMostBlocks = std::size_t{1} << 24;  // a byte each
+constexpr int kBlock = 8;  // cells along a block
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Density in one cell, trilinear between its corners.
@@ -63,17 +62,17 @@ private:
     std::unique_ptr<Reader> reader_;
 };
 
-GridWalk::GridWalk(std::shared_ptr<const grids::DensityGrid> grid)
+GridWalk::GridWalk(std::shared_ptr<const grids::DensityGrid> grid, std::size_t most_blocks)
     : grid_(std::move(grid)), first_cell_(grid_->low() - 1), last_cell_(grid_->high()) {
-    find_blocks();
+    find_blocks(most_blocks);
 }
 
-void GridWalk::find_blocks() {
+void GridWalk::find_blocks(std::size_t most_blocks) {
     blocks_.first = first_cell_ >> 3;
     blocks_.count = (last_cell_ >> 3) - blocks_.first + 1;
     const double many = static_cast<double>(blocks_.count.x) * static_cast<double>(blocks_.count.y) *
                         static_cast<double>(blocks_.count.z);
-    if (many > static_cast<double>(kMostBlocks)) return;
+    if (many > static_cast<double>(most_blocks)) return;
     blocks_.occupied.assign(static_cast<std::size_t>(many), 0);
     Reader reader(*grid_);
     const glm::ivec3 last = grid_->high() >> 3;

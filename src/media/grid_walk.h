@@ -27,7 +27,10 @@ class GridWalk {
 public:
     using Reader = grids::DensityGrid::Reader;
 
-    explicit GridWalk(std::shared_ptr<const grids::DensityGrid> grid);
+    /// Which of its blocks are empty is noted where there are at most so many, a byte each, else asked for.
+    static constexpr std::size_t kMostBlocks = std::size_t{1} << 24;
+
+    explicit GridWalk(std::shared_ptr<const grids::DensityGrid> grid, std::size_t most_blocks = kMostBlocks);
 
     /// The box beyond which density is 0, in index space.
     glm::dvec3 low() const { return glm::dvec3(first_cell_); }
@@ -61,7 +64,7 @@ private:
     void walk(const Line& line, Interval part, Reader& reader, Visit&& visit) const;
     template <class Visit>
     void visit_pieces(const Line& line, Interval part, Visit&& visit) const;
-    void find_blocks();
+    void find_blocks(std::size_t most_blocks);
     bool holds_density(const glm::ivec3& block, Reader& reader) const;
 
     std::shared_ptr<const grids::DensityGrid> grid_;

@@ -11,6 +11,7 @@
 
 #include "base/hash.h"
 #include "grids/density_grid.h"
+#include "media/grid_walk.h"
 #include "media/phase.h"
 
 namespace dapple::media {
@@ -373,7 +374,6 @@ TEST(MediaGrid, RaysInThePlanesOfVoxelsLoseNothing) {
 }
 
 TEST(MediaGrid, VoxelsFarApartAreFound) {
-    // Too many blocks to note each: the reader is asked.
     std::vector<float> one{2};
     const auto far = [&](glm::ivec3 at) {
         return grids::DensityGrid::from_values(at, {1, 1, 1}, one, glm::dmat4(1));
@@ -388,6 +388,21 @@ TEST(MediaGrid, VoxelsFarApartAreFound) {
     EXPECT_NEAR(line.optical_depth({-10, 0, 0}, {1, 0, 0}, kInfinity, false).x, 2, 1e-9);
     const DensityProfile profile = line.profile({-10, 0, 0}, {1, 0, 0}, 3100, false);
     EXPECT_LT(profile.place.size(), 30U);  // none where nothing is
+}
+
+TEST(MediaGrid, BlocksThatAreTooManyToNoteAreAskedFor) {
+    const auto grid = cloud(13);
+    const GridWalk noted(grid), asked(grid, 0);
+    Dice dice(6);
+    double sum = 0;
+    for (int i = 0; i < 100; ++i) {
+        const Line line{dice.point(-30, 30), 10.0 * dice.direction()};
+        const Interval part = inside_box(line, noted.low(), noted.high(), {0, 10});
+        if (part.empty()) continue;
+        EXPECT_EQ(asked.column(line, part), noted.column(line, part));
+        sum += noted.column(line, part);
+    }
+    EXPECT_GT(sum, 10);
 }
 
 TEST(MediaProfile, HoldsWhatTheSegmentMeets) {
