@@ -16,10 +16,11 @@ namespace dapple::render {
 namespace {
 
 constexpr std::size_t kTile = 256;  ///< pixels
-/// Of hash_uniform, lights one after the other.
+/// Of hash_uniform, by lights and pieces of a path.
 constexpr std::uint32_t kShiftDimension = 0x766c0000;
-/// Pieces of a path have hashes of their own; there are fewer a pixel.
-constexpr std::uint64_t kMostPieces = 16;
+/// What the place of points grows by a pixel to the right and down, whole parts dropped: neighbors fill each
+/// other's gaps (the additive sequence R2 of Roberts 2018, from the powers of the plastic number).
+constexpr glm::dvec2 kShiftStep{0.7548776662466927, 0.5698402909980532};
 
 /// A step of the quadrature is at most this deep (relative error of three nodes for both ways together:
 /// 3e-5) and spans at most this angle at a lamp.
@@ -329,10 +330,14 @@ public:
                                   static_cast<double>(layer_.length[i]), layer_.in_water[i] != 0};
             cells_.find(media_, segment);
             if (cells_.cells.empty()) continue;
-            const std::uint64_t index = pixel * kMostPieces + (i - layer_.first[pixel]);
+            const auto width = static_cast<std::size_t>(layer_.width);
+            const double shift = dot(kShiftStep, glm::dvec2(pixel % width, pixel / width)) +
+                                 static_cast<double>(layer_.sample) / scene_.state.clip.samples;
+            const std::uint32_t piece = i - layer_.first[pixel];
             for (std::size_t light = 0; light < scene_.state.lights.size(); ++light) {
                 if (light_in_water(scene_.state, scene_.state.lights[light]) == segment.in_water)
-                    add(i, segment, light, index);
+                    add(i, segment, light,
+                        shift + hash_uniform(scene_.state.clip.seed, light, piece, kShiftDimension));
             }
         }
     }
@@ -352,7 +357,7 @@ private:
         glm::vec3 radiance;
     };
 
-    void add(std::uint32_t i, const Segment& segment, std::size_t index_of_light, std::uint64_t index) {
+    void add(std::uint32_t i, const Segment& segment, std::size_t index_of_light, double shift) {
         const scene::Light& source = scene_.state.lights[index_of_light];
         const int samples = scene_.state.clip.samples;
         LightOnSegment light(scene_, media_, source, sun_direction(source, layer_.sample, samples), segment,
@@ -366,9 +371,7 @@ private:
             for (const Share& share : shares_) radiance_[i] += glm::vec3(share.value);
             return;
         }
-        const double hashed = hash_uniform(scene_.state.clip.seed, 0, index,
-                                           kShiftDimension + static_cast<std::uint32_t>(index_of_light));
-        cut(shares_, glm::fract(hashed + static_cast<double>(layer_.sample) / samples), strata_);
+        cut(shares_, glm::fract(shift), strata_);
         for (const Stratum& stratum : strata_) {
             const LightOnSegment::Way way = light.way(stratum.place);
             const glm::dvec3 value =
