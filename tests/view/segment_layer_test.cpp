@@ -245,6 +245,81 @@ TEST(SegmentLayer, AnOrthographicPictureStartsOnBothSidesOfTheWater) {
     }
 }
 
+scene::Medium& add_fog(ViewScene& scene, const glm::dvec3& position, const glm::dvec3& size,
+                       scene::MediumSide side) {
+    scene::Medium fog;
+    fog.type = scene::MediumType::box;
+    fog.side = side;
+    fog.extinction = {0.2, 0.4, 0.8};
+    fog.size = size;
+    fog.transform.position = position;
+    scene.frame.state.media.push_back(fog);
+    scene.frame.medium_grids.emplace_back();
+    return scene.frame.state.media.back();
+}
+
+TEST(SegmentLayer, InTheAirOnlyWhatMeetsAMedium) {
+    ViewScene scene(16, 16);
+    scene.look_in_parallel({0, 5, 0.01}, {0, 0, 0}, 8);
+    scene.fill_flat(40).absorption = {0, 0, 0};
+    scene.add_floor(-2);
+    add_fog(scene, {0, 2, 0}, {4, 1, 4}, scene::MediumSide::air);
+    const SegmentLayer layer = trace(scene).segments, reflected = trace(scene, 1).segments;
+    const Camera camera(scene.camera(), 16, 16);
+    std::size_t through = 0;
+    for (std::size_t pixel = 0; pixel < 256; ++pixel) {
+        glm::dvec3 origin, direction;
+        camera.ray({static_cast<double>(pixel % 16) + 0.5, static_cast<double>(pixel / 16) + 0.5}, origin,
+                   direction);
+        const bool meets = std::abs(origin.x) < 2 && std::abs(origin.z) < 2;
+        through += meets;
+        ASSERT_EQ(layer.first[pixel + 1] - layer.first[pixel], meets ? 1u : 0u) << pixel;
+        ASSERT_EQ(reflected.first[pixel + 1] - reflected.first[pixel], meets ? 1u : 0u);
+        if (!meets) continue;
+        const std::uint32_t i = layer.first[pixel], j = reflected.first[pixel];
+        EXPECT_EQ(layer.in_water[i], 0);
+        EXPECT_EQ(layer.throughput[i], glm::vec3(1));
+        EXPECT_NEAR(layer.length[i], origin.y / -direction.y, 1e-5) << "down to the water, box and all";
+        // Mirrored, dimmed by the way down and weighed by Fresnel; cut where the box ends, 2.5 m above.
+        const test::Crossing crossing = test::cross_surface(-direction.y, 1, kIndex);
+        expect_near(
+            reflected.throughput[j],
+            (1 - crossing.transmittance) * glm::exp(-scene.frame.state.media[0].extinction / -direction.y),
+            1e-5);
+        EXPECT_GE(reflected.length[j], 2.5 / -direction.y * (1 - kFloat));
+        EXPECT_LE(reflected.length[j], 2.5 / -direction.y * 1.002);
+    }
+    EXPECT_EQ(through, 64u);
+}
+
+TEST(SegmentLayer, AMediumInWaterThatDoesNotScatterItself) {
+    ViewScene scene(4, 4);
+    scene.look_in_parallel({-1, -3, 0}, {0, -3, 0}, 0.5);
+    scene::Water& water = scene.fill_flat(40);
+    water.absorption = {0, 0, 0};
+    scene::Medium& fog = add_fog(scene, {2, -3, 0}, {2, 1, 2}, scene::MediumSide::water);
+    SegmentLayer layer = trace(scene).segments;
+    ASSERT_EQ(layer.segments(), 16u);
+    for (const float length : layer.length) {
+        EXPECT_GE(length, 4 * (1 - kFloat));
+        EXPECT_LE(length, 4 * 1.002);
+    }
+    // Water that is black before it hides it.
+    water.absorption = {20, 30, 40};
+    EXPECT_NEAR(trace(scene).segments.length[0], 24 * std::log(2.0) / 20, 1e-4);
+    // Water that scatters too is seen beyond it.
+    water.absorption = {0.01, 0.1, 0.1};
+    water.scattering = {0.01, 0.01, 0.01};
+    EXPECT_NEAR(trace(scene).segments.length[0], 24 * std::log(2.0) / 0.02, 1e-2);
+    // What only absorbs is nothing to look at.
+    water.scattering = {0, 0, 0};
+    fog.albedo = {0, 0, 0};
+    EXPECT_EQ(trace(scene).segments.segments(), 0u);
+    fog.albedo = {1, 1, 1};
+    fog.side = scene::MediumSide::air;
+    EXPECT_EQ(trace(scene).segments.segments(), 0u);
+}
+
 TEST(SegmentLayer, AWindowIsAPartOfThePicture) {
     ViewScene scene(40, 24);
     scene.look({0.3, -2, 0.2}, {0.3, 0, 0.2}, 2.2);
