@@ -276,6 +276,20 @@ TEST(Media, FarFromTheOriginNothingIsLost) {
     }
 }
 
+TEST(Media, PlacesThatAreNoNumbersHoldNothing) {
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    const Media media(scene_of({box_medium({2, 2, 2}), grid_medium()},
+                               {nullptr, grid_of({0, 0, 0}, {9, 9, 9}, 1, [](glm::ivec3) { return 1; })}));
+    for (const glm::dvec3 bad :
+         {glm::dvec3(nan), glm::dvec3(nan, 0.5, 0.5), glm::dvec3(kInfinity, 0.5, 0.5)}) {
+        EXPECT_EQ(media.optical_depth(bad, {0.6, -0.8, 0}, kInfinity, false), glm::dvec3(0));
+        EXPECT_FALSE(media.may_meet(bad, {0.6, -0.8, 0}, kInfinity, false));
+        EXPECT_EQ(media.density(1, bad, false), 0);
+        EXPECT_EQ(media.density(2, bad, false), 0);
+    }
+    EXPECT_EQ(media.optical_depth({0.5, 0.5, 0.5}, glm::dvec3(nan), 5, false), glm::dvec3(0));
+}
+
 TEST(MediaGrid, ARampIsIntegratedExactly) {
     // Density x + 1 for x in [0, 40] voxels of 5 cm, from 1 to 41; beyond it falls to 0 within a voxel.
     const auto grid = grid_of({0, 0, 0}, {41, 12, 12}, 0.05, [](glm::ivec3 v) { return v.x + 1; });
