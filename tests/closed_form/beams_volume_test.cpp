@@ -50,7 +50,7 @@ std::vector<glm::dvec3> scattered(const scene::FrameScene& scene, const SheetSet
                 group.length[i] = static_cast<Real>(s.length);
             }
             Lanes<Real> radiance[3] = {};
-            scatter.add(group, {0, 0}, medium, radiance, counts);
+            scatter.add(group, scatter.direction({0, 0}), medium, radiance, counts);
             for (std::size_t i = 0; i < count; ++i)
                 result[first + i] += glm::dvec3(radiance[0][i], radiance[1][i], radiance[2][i]);
         }

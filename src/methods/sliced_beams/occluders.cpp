@@ -103,12 +103,22 @@ bool Occluders::free_after_water(const Bounds (&surface)[2], const Bounds (&rece
     return true;
 }
 
-bool Occluders::free_before_water(const Bounds& surface) const {
+double Occluders::first_depth(const Bounds (&surface)[2], const Bounds (&receivers)[2]) const {
+    double first = std::numeric_limits<double>::infinity();
+    for (const Object& object : objects_)
+        if (may_meet(surface[0], receivers[0], object.in_sheet) &&
+            may_meet(surface[1], receivers[1], object.in_world))
+            first = std::min(first, object.in_sheet.low.z);
+    return first;
+}
+
+bool Occluders::free_before_water(const Bounds& surface, double spread) const {
     Bounds source{lamp_, lamp_};
     if (to_sun_ != glm::dvec3(0)) {
         const glm::dvec3 size = glm::max(glm::abs(surface.low), glm::abs(surface.high));
         const glm::dvec3 way = 2 * (beyond_ + glm::length(size)) * to_sun_;
-        source = {surface.low + way, surface.high + way};
+        const double wider = spread * glm::length(way);
+        source = {surface.low + way - wider, surface.high + way + wider};
     }
     return std::none_of(objects_.begin(), objects_.end(),
                         [&](const Object& object) { return may_meet(surface, source, object.in_world); });

@@ -38,8 +38,14 @@ public:
     /// Whether nothing but the object `own` can stand between points of the water and receivers; both boxes
     /// in the sheet's axes and in the world's.
     bool free_after_water(const Bounds (&surface)[2], const Bounds (&receivers)[2], std::uint32_t own) const;
-    /// Whether nothing can stand between the light and points of the water, in world axes.
-    bool free_before_water(const Bounds& surface) const;
+    /// Whether nothing can stand between the light and points of the water, in world axes; `spread`: m a m,
+    /// by how much rays to a sun may lean from its middle's.
+    bool free_before_water(const Bounds& surface, double spread = 0) const;
+    /// The least depth in the sheet at which an object can stand between such points; infinite: none can.
+    double first_depth(const Bounds (&surface)[2], const Bounds (&receivers)[2]) const;
+    /// Whether a ray that meets the object leaves nothing but points inside or behind it between those of two
+    /// others that do.
+    bool convex(std::uint32_t object) const { return objects_[object].flat || objects_[object].convex; }
 
     /// Whether an object may stand in the light of its own receiver: not where the receiver is on the outside
     /// of a plane, a box or a sphere.

@@ -81,9 +81,15 @@ void ScatterBounds<Real>::visit(const SegmentLanes<Real>& s, glm::vec<2, Real> s
     const L room = Real(8) * std::numeric_limits<Real>::epsilon() * reach;
     std::vector<Open> open;
     for (const Slab& slab : slabs_) {
-        L first{}, last = s.length;
-        clip<Real>(s.depth - slab.from + room, s.to_depth, first, last);
-        clip<Real>(slab.to - s.depth + room, Real(0) - s.to_depth, first, last);
+        // Slabs join without overlap: both get the same number for the place between them.
+        const L at_from = (slab.from - s.depth) / s.to_depth, at_to = (slab.to - s.depth) / s.to_depth;
+        const auto level = s.to_depth == 0;
+        const auto within = (s.depth >= slab.from) & (s.depth < slab.to);
+        const auto down = s.to_depth > 0;
+        L first = greater(down ? at_from : at_to, L{});
+        L last = lesser(down ? at_to : at_from, s.length);
+        first = level ? L{} : first;
+        last = level ? (within ? s.length : splat(Real(-1))) : last;
         if (!any(first <= last)) continue;
         open.push_back({pyramid_.root(), first, last});
         while (!open.empty()) {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "methods/sliced_beams/exponential.h"
+#include "methods/sliced_beams/positive_parts.h"
 #include "methods/sliced_beams/segment_quadrature.h"
 
 namespace dapple::methods::sliced_beams {
@@ -15,6 +16,9 @@ template <class Real>
 constexpr Real kThinEnough = sizeof(Real) == 4 ? Real(1) : Real(0.35);
 /// Light beyond so many optical depths, e^-60 of it, is left out.
 constexpr double kOpaque = 60;
+/// Parts of an interval that are asked one by one whether an object hides them from the light.
+constexpr int kShadowParts = 4;
+constexpr std::size_t kPairsAtOnce = 4096;
 
 }  // namespace
 
@@ -23,6 +27,8 @@ void ScatterCounts::add(const ScatterCounts& other) {
     beams += other.beams;
     intervals += other.intervals;
     peaks += other.peaks;
+    cut += other.cut;
+    shadow_rays += other.shadow_rays;
     foci += other.foci;
     dropped += other.dropped;
 }
@@ -32,6 +38,8 @@ void ScatterCounts::report(FrameStats& stats) const {
     stats.count("segments times beams", static_cast<double>(beams));
     stats.count("intervals in beams", static_cast<double>(intervals));
     stats.count("intervals that peak", static_cast<double>(peaks));
+    stats.count("intervals cut", static_cast<double>(cut));
+    stats.count("volume shadow rays", static_cast<double>(shadow_rays));
     if (foci > 0) stats.count("intervals through foci", static_cast<double>(foci));
     if (dropped > 0) stats.count("lost to scattering not finite, W/m^2/sr", dropped);
 }
@@ -41,27 +49,30 @@ template <class Real>
 class ScatterQuery {
 public:
     using L = Lanes<Real>;
-    using Vec2 = glm::vec<2, Real>;
+    using Ways = BeamWays<Real>;
 
-    ScatterQuery(const ScatterSheet<Real>& sheet, const SegmentLanes<Real>& segments, Vec2 shift,
-                 const EvenMedium<Real>& medium, L (&radiance)[3], ScatterCounts& counts)
+    ScatterQuery(const ScatterSheet<Real>& sheet, const SegmentLanes<Real>& segments,
+                 const LightDirection<Real>& direction, const EvenMedium<Real>& medium, L (&radiance)[3],
+                 ScatterCounts& counts)
         : sheet_(sheet),
           segments_(segments),
-          shift_(shift),
+          direction_(direction),
           medium_(medium),
           radiance_(radiance),
+          target_(&radiance),
           counts_(counts),
           color_(sheet.coverage_.sheet().color) {}
 
     void run() {
         const BeamPyramid<Real>& pyramid = sheet_.coverage_.pyramid();
-        sheet_.bounds_.visit(segments_, shift_,
+        sheet_.bounds_.visit(segments_, direction_.shift,
                              [&](typename BeamPyramid<Real>::NodeId node, const L& from, const L& to) {
                                  const Mask<Real> met = from <= to;
                                  counts_.clusters += static_cast<std::size_t>(__builtin_popcount(bits(met)));
                                  take_part(from, to, met);
                                  for (const std::uint32_t beam : pyramid.beams(node)) add_beam(beam, met);
                              });
+        settle_pairs();
     }
 
 private:
@@ -80,13 +91,155 @@ private:
     void add_beam(std::uint32_t beam, const Mask<Real>& met) {
         const light::BeamSheet<Real>& sheet = sheet_.coverage_.sheet();
         if (beam == kNoBeam || !(sheet.flux[beam] > 0)) return;
+        const std::uint8_t shade = sheet_.ways_.shade(beam);
+        if (shade & Ways::kDark) return;
         counts_.beams += static_cast<std::size_t>(kLanes<Real>);
-        sheet_.corners(beam, shift_, corner_);
+        sheet_.corners(beam, direction_.shift, corner_);
         slices_ = slices(corner_, part_);
+        flux_ = 2 * sheet.flux[beam];
         visit_pieces(slices_, met, [&](const L& enter, const L& leave, const Mask<Real>& mask) {
-            counts_.intervals += static_cast<std::size_t>(__builtin_popcount(bits(mask)));
-            add_piece(2 * sheet.flux[beam], enter, leave, mask);
+            if (lies_free(beam, enter, leave, mask))
+                take_piece(beam, enter, leave, mask);
+            else
+                cut_piece(beam, enter, leave, mask);
         });
+    }
+
+    /// Whether all of the piece is below the surface, and before an object that stops the beam.
+    bool lies_free(std::uint32_t beam, const L& enter, const L& leave, const Mask<Real>& mask) const {
+        const L first = multiply_add(enter, part_.half_depth, part_.depth);
+        const L last = multiply_add(leave, part_.half_depth, part_.depth);
+        const Real start = std::max({corner_[0].start, corner_[1].start, corner_[2].start});
+        if (any(mask & (lesser(first, last) < start))) return false;
+        if (!(sheet_.ways_.shade(beam) & Ways::kCut)) return true;
+        const glm::uvec3& t = sheet_.coverage_.triangles()[beam];
+        const Real stop = std::min({sheet_.ways_.stop(t.x), sheet_.ways_.stop(t.y), sheet_.ways_.stop(t.z)});
+        return !any(mask & (greater(first, last) > stop));
+    }
+
+    /// Takes what lies beyond the surface and before the stop, both linear over the beam's slices: a point
+    /// is, where a cubic, the edges' areas times the corners' distances, has the sign of the area.
+    void cut_piece(std::uint32_t beam, const L& enter, const L& leave, const Mask<Real>& mask) {
+        const glm::uvec3& triangle = sheet_.coverage_.triangles()[beam];
+        const bool stops = (sheet_.ways_.shade(beam) & Ways::kCut) != 0;
+        constexpr int kMost = 4;
+        L from[kMost], to[kMost];
+        Mask<Real> kept[kMost] = {};
+        for (unsigned lanes = bits(mask); lanes != 0; lanes &= lanes - 1) {
+            const int lane = __builtin_ctz(lanes);
+            const auto at = [lane](const L& v) { return static_cast<double>(v[lane]); };
+            const double depth = at(part_.depth), grows = at(part_.half_depth);
+            const double middle = 0.5 * (at(enter) + at(leave));
+            const double turned =
+                at(slices_.edge[0].c0) + middle * (at(slices_.edge[0].c1) + middle * at(slices_.edge[0].c2)) <
+                        0
+                    ? -1
+                    : 1;
+            const auto beyond = [&](auto&& place, double sign, double(&c)[4]) {
+                std::fill(c, c + 4, 0.0);
+                for (int k = 0; k < 3; ++k) {
+                    const double e0 = sign * (depth - static_cast<double>(place(k))), e1 = sign * grows;
+                    const double w[3] = {turned * at(slices_.edge[k].c0), turned * at(slices_.edge[k].c1),
+                                         turned * at(slices_.edge[k].c2)};
+                    for (int i = 0; i < 3; ++i) {
+                        c[i] += w[i] * e0;
+                        c[i + 1] += w[i] * e1;
+                    }
+                }
+            };
+            double after_start[4], before_stop[4];
+            beyond([&](int k) { return corner_[k].start; }, 1, after_start);
+            Part below[2], parts[2];
+            int count = 0;
+            const int below_count = positive_parts(after_start, at(enter), at(leave), below);
+            for (int i = 0; i < below_count; ++i) {
+                int part_count = 1;
+                parts[0] = below[i];
+                if (stops) {
+                    beyond([&](int k) { return sheet_.ways_.stop(triangle[k]); }, -1, before_stop);
+                    part_count = positive_parts(before_stop, below[i].from, below[i].to, parts);
+                }
+                for (int j = 0; j < part_count; ++j, ++count) {
+                    from[count][lane] = static_cast<Real>(parts[j].from);
+                    to[count][lane] = static_cast<Real>(parts[j].to);
+                    kept[count][lane] = -1;
+                }
+            }
+            ++counts_.cut;
+        }
+        for (int i = 0; i < kMost; ++i) {
+            const Mask<Real> present = kept[i];
+            if (!any(present)) break;
+            take_piece(beam, present ? from[i] : enter, present ? to[i] : leave, present);
+        }
+    }
+
+    void take_piece(std::uint32_t beam, const L& enter, const L& leave, const Mask<Real>& mask) {
+        counts_.intervals += static_cast<std::size_t>(__builtin_popcount(bits(mask)));
+        if (sheet_.ways_.shade(beam) & (Ways::kMixedAfter | Ways::kMixedBefore))
+            add_shadowed(beam, enter, leave, mask);
+        else
+            add_piece(enter, leave, mask);
+    }
+
+    /// Where an object may stand among a beam's rays.
+    void add_shadowed(std::uint32_t beam, const L& enter, const L& leave, const Mask<Real>& mask) {
+        const std::uint8_t shade = sheet_.ways_.shade(beam);
+        const glm::dmat3& world_from_sheet = sheet_.coverage_.sheet().world_from_mesh;
+        for (int i = 0; i < kShadowParts; ++i) {
+            const auto at = [&](int k) {
+                return enter + (leave - enter) * (static_cast<Real>(k) / kShadowParts);
+            };
+            L light[3] = {};
+            target_ = &light;
+            const L from = at(i), to = at(i + 1), middle = Real(0.5) * (from + to);
+            add_piece(from, to, mask);
+            target_ = &radiance_;
+            const Node n = node(middle);
+            const L depth = multiply_add(middle, part_.half_depth, part_.depth);
+            for (unsigned lanes = bits(mask); lanes != 0; lanes &= lanes - 1) {
+                const int lane = __builtin_ctz(lanes);
+                const glm::dvec3 point(part_.a[lane] + middle[lane] * part_.half_a[lane],
+                                       part_.b[lane] + middle[lane] * part_.half_b[lane], depth[lane]);
+                const double below = static_cast<double>(depth[lane] - n.start[lane]);
+                const glm::dvec3 water = point - below * glm::dvec3(n.slope_a[lane], n.slope_b[lane], 1);
+                pairs_.push_back({lane, Vec3<Real>(light[0][lane], light[1][lane], light[2][lane]),
+                                  glm::vec3(world_from_sheet * point), glm::vec3(world_from_sheet * water),
+                                  (shade & Ways::kMixedAfter) && depth[lane] > sheet_.ways_.free_depth(beam),
+                                  (shade & Ways::kMixedBefore) != 0});
+            }
+        }
+        if (pairs_.size() >= kPairsAtOnce) settle_pairs();
+    }
+
+    void settle_pairs() {
+        if (pairs_.empty()) return;
+        trace(true);
+        trace(false);
+        for (const Pair& pair : pairs_)
+            for (int c = 0; c < 3; ++c) radiance_[c][pair.lane] += pair.light[c];
+        pairs_.clear();
+    }
+
+    /// Drops the pairs that an object hides after the water, or before it.
+    void trace(bool after) {
+        const glm::vec3 lamp(sheet_.coverage_.lamp());
+        const bool sun = direction_.to_sun != glm::vec3(0);
+        std::vector<rays::Ray> rays;
+        for (const Pair& pair : pairs_) {
+            if (after && pair.after)
+                rays.push_back({pair.point, 0, pair.water - pair.point, 1});
+            else if (!after && pair.before)
+                rays.push_back({pair.water, 0, sun ? direction_.to_sun : lamp - pair.water,
+                                sun ? std::numeric_limits<float>::infinity() : 1.0f});
+        }
+        if (rays.empty()) return;
+        std::vector<std::uint8_t> blocked(rays.size(), 0);
+        sheet_.coverage_.rays().occluded_by_objects(rays, blocked);
+        counts_.shadow_rays += rays.size();
+        std::size_t ray = 0;
+        std::erase_if(pairs_,
+                      [&](const Pair& pair) { return (after ? pair.after : pair.before) && blocked[ray++]; });
     }
 
     /// The ray through a point of the beam.
@@ -94,6 +247,7 @@ private:
         L path;     ///< m from the water to the point, and back to the segment's near end
         L stretch;  ///< m of way a m of depth
         L sine;     ///< of half the angle between the ways before and after
+        L slope_a, slope_b, start;
     };
     Node node(const L& t) const {
         const L w0 = slices_.edge[0](t), w1 = slices_.edge[1](t), w2 = slices_.edge[2](t);
@@ -105,37 +259,37 @@ private:
             return multiply_add(l1, splat(v1 - v0), multiply_add(l2, splat(v2 - v0), splat(v0)));
         };
         const auto& [c0, c1, c2] = corner_;
-        const L slope_a = mix(c0.slope_a, c1.slope_a, c2.slope_a);
-        const L slope_b = mix(c0.slope_b, c1.slope_b, c2.slope_b);
-        const L start = mix(c0.start, c1.start, c2.start);
-        const L depth = multiply_add(t, part_.half_depth, part_.depth);
         Node n;
-        n.stretch =
-            square_root<Real>(multiply_add(slope_a, slope_a, multiply_add(slope_b, slope_b, splat(Real(1)))));
-        n.path = multiply_add(depth - start, n.stretch, multiply_add(t, half_, middle_));
+        n.slope_a = mix(c0.slope_a, c1.slope_a, c2.slope_a);
+        n.slope_b = mix(c0.slope_b, c1.slope_b, c2.slope_b);
+        n.start = mix(c0.start, c1.start, c2.start);
+        const L depth = multiply_add(t, part_.half_depth, part_.depth);
+        n.stretch = square_root<Real>(
+            multiply_add(n.slope_a, n.slope_a, multiply_add(n.slope_b, n.slope_b, splat(Real(1)))));
+        n.path = multiply_add(depth - n.start, n.stretch, multiply_add(t, half_, middle_));
         if (!medium_.phase->even()) {
             // |before - after| / 2: half the angle between unit vectors loses no digits so.
             const L unit = splat(Real(1)) / n.stretch;
-            const L a = multiply_add(slope_a, unit, segments_.to_a);
-            const L b = multiply_add(slope_b, unit, segments_.to_b);
+            const L a = multiply_add(n.slope_a, unit, segments_.to_a);
+            const L b = multiply_add(n.slope_b, unit, segments_.to_b);
             const L d = unit + segments_.to_depth;
             n.sine = Real(0.5) * square_root<Real>(a * a + b * b + d * d);
         }
         return n;
     }
 
-    void add_piece(Real doubled_flux, const L& enter, const L& leave, const Mask<Real>& mask) {
+    void add_piece(const L& enter, const L& leave, const Mask<Real>& mask) {
         // Optical depth may be too much for one rule.
         const L from = node(enter).path, to = node(leave).path;
         const L change = mask ? magnitude(to - from) * medium_.most : L{};
         Real most = 0;
         for (int lane = 0; lane < kLanes<Real>; ++lane) most = std::max(most, change[lane]);
-        if (most <= kThinEnough<Real>) return add_thin(doubled_flux, enter, leave, mask);
-        add_thick(doubled_flux, enter, leave, from, to, mask);
+        if (most <= kThinEnough<Real>) return add_thin(enter, leave, mask);
+        add_thick(enter, leave, from, to, mask);
     }
 
     /// Cut where nothing is left of the light, and into parts.
-    void add_thick(Real doubled_flux, L enter, L leave, const L& from, const L& to, const Mask<Real>& mask) {
+    void add_thick(L enter, L leave, const L& from, const L& to, const Mask<Real>& mask) {
         L way = magnitude(to - from);
         if (medium_.least > 0) {
             const L least = lesser(from, to);
@@ -153,7 +307,7 @@ private:
         L before = enter;
         for (int i = 1; i <= parts; ++i) {
             const L after = enter + (leave - enter) * (static_cast<Real>(i) / static_cast<Real>(parts));
-            add_thin(doubled_flux, before, after, mask);
+            add_thin(before, after, mask);
             before = after;
         }
     }
@@ -182,13 +336,13 @@ private:
         }
     }
 
-    void add_thin(Real doubled_flux, const L& enter, const L& leave, const Mask<Real>& mask) {
+    void add_thin(const L& enter, const L& leave, const Mask<Real>& mask) {
         const L middle = Real(0.5) * (enter + leave), half = Real(0.5) * (leave - enter);
         L weight[3];
         weigh(middle, half, mask, weight);
         Node nodes[3];
         for (int j = 0; j < 3; ++j) nodes[j] = node(multiply_add(half, splat(Real(kNodes[j])), middle));
-        const L scale = half * half_ * doubled_flux;
+        const L scale = half * half_ * flux_;
         for (int j = 0; j < 3; ++j) weight[j] *= scale * nodes[j].stretch * (*medium_.phase)(nodes[j].sine);
         for (int channel = 0; channel < 3; ++channel) {
             const Real extinction = medium_.extinction[channel];
@@ -199,15 +353,16 @@ private:
             const auto finite = (sum - sum) == 0;
             const Mask<Real> lost = mask & ~finite;
             if (any(lost)) counts_.dropped += 1;
-            radiance_[channel] += mask & finite ? sum : L{};
+            (*target_)[channel] += mask & finite ? sum : L{};
         }
     }
 
     const ScatterSheet<Real>& sheet_;
     const SegmentLanes<Real>& segments_;
-    Vec2 shift_;
+    const LightDirection<Real>& direction_;
     const EvenMedium<Real>& medium_;
     L (&radiance_)[3];
+    L (*target_)[3];  ///< of add_piece: radiance_, or what is to be tested first
     ScatterCounts& counts_;
     Vec3<Real> color_;
 
@@ -215,11 +370,36 @@ private:
     L middle_{}, half_{};  ///< of the part, m along the segments
     BeamCorner<Real> corner_[3];
     BeamSlices<Real> slices_;
+    Real flux_ = 0;  ///< of the beam, doubled as its area is
+    /// Light of a part of an interval, if nothing stands in its way.
+    struct Pair {
+        int lane;
+        Vec3<Real> light;
+        glm::vec3 point, water;  ///< m, world axes relative to the frame's origin
+        bool after, before;
+    };
+    std::vector<Pair> pairs_;
 };
 
 template <class Real>
 ScatterSheet<Real>::ScatterSheet(const SheetCoverage<Real>& sheet)
-    : coverage_(sheet), bounds_(sheet.sheet(), sheet.pyramid(), sheet.triangles(), {}) {}
+    : coverage_(sheet),
+      ways_(sheet),
+      bounds_(sheet.sheet(), sheet.pyramid(), sheet.triangles(), ways_.last_depths()) {}
+
+template <class Real>
+LightDirection<Real> ScatterSheet<Real>::direction(glm::dvec2 disc) const {
+    const light::BeamSheet<Real>& sheet = coverage_.sheet();
+    if (sheet.light_direction == glm::dvec3(0)) return {};
+    // The axes of the disc that disc_u and disc_v are the images of: in the plane of incidence and across it.
+    const glm::dvec3 travel = sheet.light_direction;
+    glm::dvec3 across = glm::cross(travel, glm::dvec3(0, 1, 0));
+    across = glm::dot(across, across) > 1e-24 ? glm::normalize(across) : glm::dvec3(1, 0, 0);
+    const glm::dvec3 moved =
+        travel + coverage_.disc_radius() * (disc.x * glm::cross(across, travel) + disc.y * across);
+    return {glm::vec<2, Real>(disc.x * sheet.disc_u + disc.y * sheet.disc_v),
+            glm::vec3(-glm::normalize(moved))};
+}
 
 template <class Real>
 void ScatterSheet<Real>::corners(std::uint32_t beam, glm::vec<2, Real> shift,
@@ -251,13 +431,13 @@ SegmentLanes<Real> ScatterSheet<Real>::in_sheet(const SegmentGroup<Real>& group)
 }
 
 template <class Real>
-void ScatterSheet<Real>::add(const SegmentGroup<Real>& segments, glm::vec<2, Real> shift,
+void ScatterSheet<Real>::add(const SegmentGroup<Real>& segments, const LightDirection<Real>& direction,
                              const EvenMedium<Real>& medium, Lanes<Real> (&radiance)[3],
                              ScatterCounts& counts) const {
     if (coverage_.pyramid().empty()) return;
     SegmentLanes<Real> lanes = in_sheet(segments);
     if (medium.least > 0) lanes.length = lesser(lanes.length, splat(Real(kOpaque) / medium.least));
-    ScatterQuery<Real>(*this, lanes, shift, medium, radiance, counts).run();
+    ScatterQuery<Real>(*this, lanes, direction, medium, radiance, counts).run();
 }
 
 template class ScatterSheet<float>;

@@ -6,6 +6,7 @@
 
 #include "media/media.h"
 #include "methods/sliced_beams/beam_slices.h"
+#include "methods/sliced_beams/beam_ways.h"
 #include "methods/sliced_beams/phase_table.h"
 #include "methods/sliced_beams/scatter_bounds.h"
 #include "methods/sliced_beams/sheet_coverage.h"
@@ -18,8 +19,10 @@ struct ScatterCounts {
     std::size_t beams = 0;      ///< times segments, tested
     std::size_t intervals = 0;  ///< of a segment within a beam
     std::size_t peaks = 0;      ///< of them: where the beam narrows so much that exact moments are needed
-    std::size_t foci = 0;       ///< of them: whose area is lost in rounding within, by mere point values
-    double dropped = 0;         ///< W/m^2/sr, summed over segments: not finite
+    std::size_t cut = 0;        ///< of them: by the water's surface or where an object stops the beam
+    std::size_t shadow_rays = 0;
+    std::size_t foci = 0;  ///< of them: whose area is lost in rounding within, by mere point values
+    double dropped = 0;    ///< W/m^2/sr, summed over segments: not finite
 
     void add(const ScatterCounts& other);
     void report(FrameStats& stats) const;
@@ -51,6 +54,13 @@ struct SegmentGroup {
     Lanes<Real> length;  ///< < 0: no segment
 };
 
+/// One direction of the light of a sheet: of the sun's disc, or of a lamp the only one.
+template <class Real>
+struct LightDirection {
+    glm::vec<2, Real> shift{0, 0};  ///< m a m of way along the axis below the surface
+    glm::vec3 to_sun{0, 0, 0};      ///< unit; 0: a lamp
+};
+
 /// One beam sheet, ready to be asked for the light that a medium scatters out of its beams: along each
 /// segment the intervals within beams from quadratics, and on these product quadrature with the exact moments
 /// of one over the beam's area (the flux's density). No sampling, no tolerance.
@@ -60,15 +70,18 @@ public:
     /// All references outlive this.
     explicit ScatterSheet(const SheetCoverage<Real>& sheet);
 
-    /// Adds what reaches the segments' near ends, W/m^2/sr, of the light of one direction of the sheet's part
-    /// of the sun's disc: `shift`, m a m of way along the axis. Thread-safe.
-    void add(const SegmentGroup<Real>& segments, glm::vec<2, Real> shift, const EvenMedium<Real>& medium,
-             Lanes<Real> (&radiance)[3], ScatterCounts& counts) const;
+    /// Adds what reaches the segments' near ends, W/m^2/sr, of light of one direction, which stands for all
+    /// of the sheet's. Thread-safe.
+    void add(const SegmentGroup<Real>& segments, const LightDirection<Real>& direction,
+             const EvenMedium<Real>& medium, Lanes<Real> (&radiance)[3], ScatterCounts& counts) const;
 
+    /// That of a point of the unit disc.
+    LightDirection<Real> direction(glm::dvec2 disc) const;
     /// In the sheet's axes.
     SegmentLanes<Real> in_sheet(const SegmentGroup<Real>& group) const;
-    const ScatterBounds<Real>& bounds() const { return bounds_; }
     const SheetCoverage<Real>& coverage() const { return coverage_; }
+    const BeamWays<Real>& ways() const { return ways_; }
+    const ScatterBounds<Real>& bounds() const { return bounds_; }
     /// The rays of a beam, moved.
     void corners(std::uint32_t beam, glm::vec<2, Real> shift, BeamCorner<Real> (&corner)[3]) const;
 
@@ -77,6 +90,7 @@ private:
     friend class ScatterQuery;
 
     const SheetCoverage<Real>& coverage_;
+    BeamWays<Real> ways_;
     ScatterBounds<Real> bounds_;
 };
 

@@ -88,6 +88,14 @@ SheetCoverage<Real>::SheetCoverage(const scene::FrameScene& scene, const rays::R
 }
 
 template <class Real>
+double SheetCoverage<Real>::disc_radius() const {
+    if (!blurs()) return 0;
+    const double whole =
+        std::tan(0.5 * scene_.state.lights[static_cast<std::size_t>(sheet_.light)].angular_diameter);
+    return whole / std::sqrt(std::max(1, scene_.state.caustics.sliced_beams.sun_samples));
+}
+
+template <class Real>
 Receiver<Real> SheetCoverage<Real>::rotated(const Receiver<Real>& world) const {
     return {sheet_from_world_ * world.position, sheet_from_world_ * world.u, sheet_from_world_ * world.v,
             sheet_from_world_ * world.normal};

@@ -43,6 +43,15 @@ public:
     const BeamPyramid<Real>& pyramid() const { return *pyramid_; }
     std::span<const glm::uvec3> triangles() const { return scene_.water->mesh.triangles; }
     glm::dvec3 absorption() const { return absorption_; }
+    const scene::FrameScene& scene() const { return scene_; }
+    const rays::RayScene& rays() const { return rays_; }
+    const Occluders& occluders() const { return occluders_; }
+    /// m, relative to FrameScene::origin, of a light that is no sun.
+    glm::dvec3 lamp() const {
+        return scene_.state.lights[static_cast<std::size_t>(sheet_.light)].position - scene_.origin;
+    }
+    /// rad, of the part of the sun's disc that the sheet stands for; 0: none.
+    double disc_radius() const;
 
     /// Adds this sheet's irradiance [W/m^2] of up to kTileReceivers receivers near each other on one object,
     /// in world axes relative to FrameScene::origin. Thread-safe. `hidden`, if given, becomes 1 where an

@@ -237,7 +237,7 @@ void SlicedBeams::irradiance(FrameContext& context, std::span<const view::Receiv
 void SlicedBeams::in_scatter(FrameContext& context, const view::SegmentLayer& layer,
                              std::span<glm::vec3> radiance) {
     const ScopedPass pass(context.stats, "scattering");
-    if (!state_->volume) state_->volume.emplace(context.scene, state_->sheets);
+    if (!state_->volume) state_->volume.emplace(context.scene, state_->sheets, context.stats);
     ScatterCounts counts;
     state_->volume->add(layer, radiance, counts);
     counts.report(context.stats);

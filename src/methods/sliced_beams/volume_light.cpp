@@ -6,11 +6,15 @@
 
 namespace dapple::methods::sliced_beams {
 
-VolumeLight::VolumeLight(const scene::FrameScene& scene, Sheets sheets) : scene_(scene), media_(scene) {
+VolumeLight::VolumeLight(const scene::FrameScene& scene, Sheets sheets, FrameStats& stats)
+    : scene_(scene), media_(scene) {
     const std::vector<media::Component>& components = media_.components();
     for (std::size_t i = 0; i < components.size(); ++i) phases_.emplace_back(media_, i);
     water_ = EvenMedium<float>(components[0].extinction, components[0].scattering, phases_[0]);
-    for (const auto& sheet : sheets) sheets_.push_back(std::make_unique<ScatterSheet<float>>(*sheet));
+    for (const auto& sheet : sheets) {
+        sheets_.push_back(std::make_unique<ScatterSheet<float>>(*sheet));
+        if (!sheets_.back()->ways().empty()) sheets_.back()->ways().report(stats);
+    }
 }
 
 std::vector<VolumeLight::Direction> VolumeLight::directions(const view::SegmentLayer& layer,
@@ -19,15 +23,13 @@ std::vector<VolumeLight::Direction> VolumeLight::directions(const view::SegmentL
     const int wanted = state.caustics.sliced_beams.volume_sun_samples;
     std::vector<Direction> all;
     for (std::size_t i = 0; i < sheets_.size(); ++i) {
-        const light::BeamSheet<float>& sheet = sheets_[i]->coverage().sheet();
-        if (sheet.in_water() != in_water) continue;
+        if (sheets_[i]->coverage().sheet().in_water() != in_water) continue;
         // The parts of the disc that have sheets of their own are directions already.
         const int count = sheets_[i]->coverage().blurs()
                               ? std::max(1, wanted / state.caustics.sliced_beams.sun_samples)
                               : 1;
         for (const glm::dvec2& d : disc_directions(count, layer.sample, state.clip.samples))
-            all.push_back(
-                {i, glm::vec2(d.x * sheet.disc_u + d.y * sheet.disc_v), 1 / static_cast<float>(count)});
+            all.push_back({i, sheets_[i]->direction(d), 1 / static_cast<float>(count)});
     }
     return all;
 }
@@ -46,7 +48,7 @@ void VolumeLight::add(const view::SegmentLayer& layer, std::span<glm::vec3> radi
                 Lanes<float> sum[3] = {};
                 for (const Direction& direction : side[group.in_water]) {
                     Lanes<float> one[3] = {};
-                    sheets_[direction.sheet]->add(group.segments, direction.shift, water_, one, part);
+                    sheets_[direction.sheet]->add(group.segments, direction.light, water_, one, part);
                     for (int c = 0; c < 3; ++c) sum[c] += direction.share * one[c];
                 }
                 for (std::size_t lane = 0; lane < group.segment.size(); ++lane)

@@ -18,7 +18,7 @@ public:
     using Sheets = std::span<const std::unique_ptr<SheetCoverage<float>>>;
 
     /// The scene and the sheets must outlive this.
-    VolumeLight(const scene::FrameScene& scene, Sheets sheets);
+    VolumeLight(const scene::FrameScene& scene, Sheets sheets, FrameStats& stats);
 
     /// Adds S of each of the layer's segments, W/m^2/sr. The same bits on any number of threads.
     void add(const view::SegmentLayer& layer, std::span<glm::vec3> radiance, ScatterCounts& counts) const;
@@ -26,7 +26,7 @@ public:
 private:
     struct Direction {
         std::size_t sheet;
-        glm::vec2 shift;
+        LightDirection<float> light;
         float share;  ///< of the sheet's light
     };
     /// Directions of the suns' discs that a camera sample is tried with, on one side of the water.

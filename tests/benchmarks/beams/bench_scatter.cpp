@@ -36,7 +36,7 @@ scene::FrameScene pool(int cells) {
         scene::Wave wave;
         wave.length = 0.25 * std::pow(8.0, i / 23.0);
         wave.heading = 2.399963229728653 * i;
-        wave.amplitude = 0.0032 * wave.length;
+        wave.amplitude = 0.006 * wave.length;
         wave.phase = 1.7 * i * i;
         const double k = 2 * 3.141592653589793 / wave.length;
         wave.wave_vector = k * glm::dvec2(std::cos(wave.heading), std::sin(wave.heading));
@@ -88,7 +88,7 @@ void scatter(benchmark::State& bench) {
     for (auto _ : bench) {
         counts = {};
         const double before = cpu_seconds();
-        const VolumeLight volume(scene, sheets);
+        const VolumeLight volume(scene, sheets, stats);
         std::vector<glm::vec3> radiance(layer.segments(), glm::vec3(0));
         volume.add(layer, radiance, counts);
         cpu_s += cpu_seconds() - before;
