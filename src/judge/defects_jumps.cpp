@@ -135,23 +135,37 @@ double JumpFinder::flash_score(std::size_t index) const {
     return std::abs(*signals.mean_offset) / (kFlash * median_of(bends) + kFrameFloor);
 }
 
+/// What the picture shows alone somewhere in each of the nearest frames, at most: their second largest.
+double JumpFinder::alone_anywhere(Field field, const std::vector<std::size_t>& nearest) const {
+    std::vector<float> most;
+    for (const std::size_t i : nearest) {
+        float of_frame = 0;
+        for (const float value : signals_[i].*field) of_frame = std::max(of_frame, std::abs(value));
+        most.push_back(of_frame);
+    }
+    return static_cast<double>(second_largest(most));
+}
+
 /// The score of a block that shows something for one frame, 1 at the threshold.
-double JumpFinder::lone_score(std::size_t index, std::size_t block,
-                              const std::vector<std::size_t>& near_changes,
-                              const std::vector<std::size_t>& near_bends) const {
+double JumpFinder::lone_score(std::size_t index, std::size_t block, const Around& around) const {
     const Signals& signals = signals_[index];
     const auto lone = static_cast<double>(signals.lone[block]);
     const double offset = std::abs(static_cast<double>(signals.offset[block]));
+    const auto among = [](double value, double anywhere) {
+        return value / (kAnywhere * (anywhere + kBlockFloor));
+    };
     double score = 0;
     if (lone > kLone * kBlockFloor) {
-        const double change = usual(&Signals::change, {index, index + 1}, near_changes, block);
+        const double change = usual(&Signals::change, {index, index + 1}, around.changes, block);
         const float even = evenness(signals.change[block], signals_[index + 1].change[block],
                                     static_cast<float>(kBlockFloor));
-        score = lone * static_cast<double>(even) / (kLone * (change + kBlockFloor));
+        score = std::min(lone * static_cast<double>(even) / (kLone * (change + kBlockFloor)),
+                         among(lone, around.lone));
     }
     if (offset > kOffset * kBlockFloor) {
-        const double bend = usual(&Signals::bend, {index - 1, index + 1}, near_bends, block);
-        score = std::max(score, offset / (kOffset * (bend + kBlockFloor)));
+        const double bend = usual(&Signals::bend, {index - 1, index + 1}, around.bends, block);
+        score = std::max(score,
+                         std::min(offset / (kOffset * (bend + kBlockFloor)), among(offset, around.offset)));
     }
     return score;
 }
@@ -221,12 +235,15 @@ Jump JumpFinder::region_jump(Jump::Kind kind, std::int64_t frame, const std::vec
 std::optional<Jump> JumpFinder::find_lone(std::size_t index) const {
     const Signals& signals = signals_[index];
     if (signals.lone.empty()) return std::nullopt;
-    const std::vector<std::size_t> near_bends = near(&Signals::bend, {index - 1, index + 1});
-    const std::vector<std::size_t> near_changes = near(&Signals::change, {index, index + 1});
-    if (near_bends.empty() || near_changes.empty()) return std::nullopt;
+    Around around;
+    around.bends = near(&Signals::bend, {index - 1, index + 1});
+    around.changes = near(&Signals::change, {index, index + 1});
+    if (around.bends.empty() || around.changes.empty()) return std::nullopt;
+    around.lone = alone_anywhere(&Signals::lone, around.bends);
+    around.offset = alone_anywhere(&Signals::offset, around.bends);
     std::vector<double> scores(signals.lone.size());
     for (std::size_t block = 0; block < scores.size(); ++block) {
-        scores[block] = lone_score(index, block, near_changes, near_bends);
+        scores[block] = lone_score(index, block, around);
     }
     const std::vector<std::size_t> blocks = grouped(scores, kSingle);
     const double flash = flash_score(index);

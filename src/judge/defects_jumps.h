@@ -28,17 +28,18 @@ struct Jump {
 /// Finds jumps without false alarms from moving water, by comparing what is measured of each frame
 /// (BlockSignals) with what its surroundings in space and time usually do.
 ///
-/// A region pops where `lone` exceeds the usual `change`, or `offset` kOffset times the usual `bend`; a
-/// region steps where its `change` exceeds kRegionStep times the usual one. A block counts where one beside
-/// it does too, or where its score is kSingle; a step where four in a square do. What differs from one
-/// neighbour far more than from the other is weighed down: it belongs to that neighbour. "Usual" is the
-/// larger of the block's median over kReach frames to either side, and of the most, but for the one largest,
-/// that it and the blocks around it do in the nearest kNear frames of either side that neither the jump
-/// itself nor one before it touches. A frame flashes where its mean offset exceeds kFlash times the median
-/// mean bend, unless a region explains it, and steps where its mean change exceeds kStep times those of the
-/// nearest frames. All have floors. The first and the last frame of a clip, or before a gap, have one
-/// neighbour: what is odd about them is found as a step. Below 6 frames in a row nothing is usual, and
-/// nothing is found.
+/// A region pops where `lone` exceeds the usual `change`, or `offset` kOffset times the usual `bend`, and
+/// both exceed kAnywhere times what any block has of them in the nearest frames, the one largest frame left
+/// out: foci that pass show for one frame too, now here and now there. A region steps where its `change`
+/// exceeds kRegionStep times the usual one. A block counts where one beside it does too, or where its score
+/// is kSingle; a step where four in a square do. What differs from one neighbour far more than from the other
+/// is weighed down: it belongs to that neighbour. "Usual" is the larger of the block's median over kReach
+/// frames to either side, and of the most, but for the one largest, that it and the blocks around it do in
+/// the nearest kNear frames of either side that neither the jump itself nor one before it touches. A frame
+/// flashes where its mean offset exceeds kFlash times the median mean bend, unless a region explains it, and
+/// steps where its mean change exceeds kStep times those of the nearest frames. All have floors. The first
+/// and the last frame of a clip, or before a gap, have one neighbour: what is odd about them is found as a
+/// step. Below 6 frames in a row nothing is usual, and nothing is found.
 class JumpFinder {
 public:
     /// `level`: m, of luminance; a clip of level 0 has no jumps.
@@ -58,6 +59,7 @@ public:
     static constexpr int kNear = 3;
     static constexpr double kLone = 1;  ///< thresholds, in multiples of what is usual
     static constexpr double kOffset = 3;
+    static constexpr double kAnywhere = 1.5;
     static constexpr double kSingle = 2;  ///< score above which one block alone counts as a region
     static constexpr double kRegionStep = 3;
     static constexpr double kFlash = 8;
@@ -76,6 +78,11 @@ private:
     struct Touched {
         std::size_t first = 0, last = 0;
     };
+    /// What is usual near a frame that is judged.
+    struct Around {
+        std::vector<std::size_t> changes, bends;  ///< near() of these fields
+        double lone = 0, offset = 0;              ///< alone_anywhere() of these fields
+    };
 
     void measure(std::int64_t frame, bool repeat, const metrics::Picture& picture,
                  const metrics::Picture* reference);
@@ -85,8 +92,8 @@ private:
     void judge_step(std::size_t index);
     double flash_score(std::size_t index) const;
     double step_score(std::size_t index) const;
-    double lone_score(std::size_t index, std::size_t block, const std::vector<std::size_t>& near_changes,
-                      const std::vector<std::size_t>& near_bends) const;
+    double alone_anywhere(Field field, const std::vector<std::size_t>& nearest) const;
+    double lone_score(std::size_t index, std::size_t block, const Around& around) const;
     double explained_share(std::size_t index, const std::vector<std::size_t>& blocks) const;
     std::vector<std::size_t> grouped(const std::vector<double>& scores, double single) const;
     std::vector<std::size_t> squares(const std::vector<double>& scores) const;

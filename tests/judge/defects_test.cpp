@@ -59,6 +59,28 @@ TEST(JumpFinder, GlintsOfSinglePixelsDoNotJump) {
     EXPECT_THAT(jumps, IsEmpty());
 }
 
+/// As in deep water at 24 frames a second, where light focuses here in one frame and there in the next.
+TEST(JumpFinder, FociThatPassInOneFrameDoNotJumpAndDoNotHideWhatDoes) {
+    const auto foci = [](int number, image::Image& frame) {
+        for (int k = 0; k < 3; ++k) {
+            const auto place = [&](std::uint32_t axis, int blocks) {
+                const auto seed = static_cast<std::uint64_t>(number);
+                return 8 * static_cast<int>(hash_bits(7, seed, static_cast<std::uint64_t>(k), axis) %
+                                            static_cast<std::uint32_t>(blocks));
+            };
+            test::scale(frame, 1.6, 40 * k + place(0, 4), place(1, 8), 16, 16);
+        }
+    };
+    EXPECT_THAT(jumps_of(foci), IsEmpty());
+    const auto jumps = jumps_of([&](int number, image::Image& frame) {
+        foci(number, frame);
+        if (number == 9) test::scale(frame, 5, 48, 24, 24, 24);
+    });
+    ASSERT_EQ(jumps.size(), 1U);
+    EXPECT_EQ(jumps[0].frame, 9);
+    EXPECT_EQ(jumps[0].kind, Jump::Kind::pop);
+}
+
 TEST(JumpFinder, AFlashIsFoundAtItsFrame) {
     for (const double factor : {1.05, 0.9, 1.5, 20.0}) {
         for (const int at : {2, 7, kFrames - 1}) {
