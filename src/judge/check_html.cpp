@@ -234,26 +234,28 @@ void add_findings(HtmlPage& page, const CheckResult& result) {
 
 void add_figures(HtmlPage& page, const CheckResult& result) {
     std::vector<std::vector<HtmlPage::Cell>> rows;
-    rows.push_back({{"mean luminance"}, {short_number(result.flicker.mean)}, {""}});
+    rows.push_back({{"mean luminance [pixel value]"}, {short_number(result.flicker.mean)}, {""}});
     if (result.flicker.worst_frame) {
         const auto& worst = result.flicker.frames.at(*result.flicker.worst_frame);
         rows.push_back(
-            {{"flicker"},
+            {{"flicker [of mean squared]"},
              {short_number(result.flicker.flicker)},
              {short_number(worst.flicker) + " at frame " + std::to_string(*result.flicker.worst_frame)}});
     }
     for (const metrics::BandFlicker::Band& band : result.bands) {
-        rows.push_back({{"flicker energy, " + short_number(band.low_hz) + " to " +
-                         short_number(band.high_hz) + (result.fps > 0 ? " Hz" : " cycles a frame")},
-                        {short_number(band.energy)},
-                        {""}});
+        rows.push_back(
+            {{"flicker energy, " + short_number(band.low_hz) + " to " + short_number(band.high_hz) +
+              (result.fps > 0 ? " Hz" : " cycles a frame") + " [(pixel value)^2]"},
+             {short_number(band.energy)},
+             {""}});
     }
     if (result.split) {
-        rows.push_back({{"static error"}, {short_number(result.split->static_error)}, {""}});
-        rows.push_back({{"flicker energy"}, {short_number(result.split->flicker_energy)}, {""}});
+        rows.push_back({{"static error [of mean R^2]"}, {short_number(result.split->static_error)}, {""}});
+        rows.push_back(
+            {{"flickering error [of mean R^2]"}, {short_number(result.split->flicker_energy)}, {""}});
     }
     for (const auto& [name, figure] : result.clip) {
-        rows.push_back({{name},
+        rows.push_back({{figure_name(name)},
                         {short_number(figure.mean)},
                         {short_number(figure.worst) + " at frame " + std::to_string(figure.worst_frame)}});
     }

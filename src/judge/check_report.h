@@ -8,6 +8,10 @@ namespace dapple::judge {
 /// "frame 7 (pop, around (40, 60)): pops: ..." of a finding, one line.
 std::string line_of(const Finding& finding);
 
+/// A figure of CheckResult::clip as people read it, with its unit: "RMSE of means of 4 x 4 pixels [pixel
+/// value]". The key itself where it is not known.
+std::string figure_name(const std::string& key);
+
 /// A line a finding, then a table of the clip's figures.
 std::string check_text(const CheckResult& result);
 
