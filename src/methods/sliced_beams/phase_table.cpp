@@ -1,6 +1,7 @@
 #include "methods/sliced_beams/phase_table.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "methods/sliced_beams/landing.h"
 
@@ -27,12 +28,19 @@ Lanes<Real> PhaseTable<Real>::operator()(Lanes<Real> sine) const {
     if (even_) return splat(values_[0]);
     const Lanes<Real> place = Real(kCells) * square_root<Real>(lesser(sine, splat(Real(1))));
     Lanes<Real> result;
-    for (int lane = 0; lane < kLanes<Real>; ++lane) {
-        const auto cell = static_cast<std::size_t>(place[lane]);
-        const Real along = place[lane] - static_cast<Real>(cell);
-        result[lane] = values_[cell] + along * (values_[cell + 1] - values_[cell]);
-    }
+    for (int lane = 0; lane < kLanes<Real>; ++lane) result[lane] = between(place[lane]);
     return result;
+}
+
+template <class Real>
+Real PhaseTable<Real>::at(Real sine) const {
+    return between(Real(kCells) * std::sqrt(std::min(sine, Real(1))));
+}
+
+template <class Real>
+Real PhaseTable<Real>::between(Real place) const {
+    const auto cell = static_cast<std::size_t>(place);
+    return values_[cell] + (place - static_cast<Real>(cell)) * (values_[cell + 1] - values_[cell]);
 }
 
 template class PhaseTable<float>;

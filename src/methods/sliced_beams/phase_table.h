@@ -17,8 +17,11 @@ public:
     bool even() const { return even_; }
     /// p, /sr; `sine`: sin(theta / 2), [0, 1].
     Lanes<Real> operator()(Lanes<Real> sine) const;
+    Real at(Real sine) const;
 
 private:
+    Real between(Real place) const;
+
     std::vector<Real> values_;
     bool even_ = true;  ///< all values are the same
 };

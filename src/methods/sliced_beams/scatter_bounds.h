@@ -12,7 +12,8 @@ template <class Real>
 struct SegmentLanes {
     Lanes<Real> a, b, depth;           ///< of the near end
     Lanes<Real> to_a, to_b, to_depth;  ///< unit
-    Lanes<Real> length;                ///< < 0: no segment
+    Lanes<Real> length;                ///< where it ends; < 0: no segment
+    Lanes<Real> first{};               ///< where what matters of it begins
 };
 
 /// Bounds of a pyramid's nodes for segments that cross many depths. Depth is cut into slabs; within one the
@@ -86,9 +87,9 @@ void ScatterBounds<Real>::visit(const SegmentLanes<Real>& s, glm::vec<2, Real> s
         const auto level = s.to_depth == 0;
         const auto within = (s.depth >= slab.from) & (s.depth < slab.to);
         const auto down = s.to_depth > 0;
-        L first = greater(down ? at_from : at_to, L{});
+        L first = greater(down ? at_from : at_to, s.first);
         L last = lesser(down ? at_to : at_from, s.length);
-        first = level ? L{} : first;
+        first = level ? s.first : first;
         last = level ? (within ? s.length : splat(Real(-1))) : last;
         if (!any(first <= last)) continue;
         open.push_back({pyramid_.root(), first, last});

@@ -52,12 +52,13 @@ public:
     using Ways = BeamWays<Real>;
 
     ScatterQuery(const ScatterSheet<Real>& sheet, const SegmentLanes<Real>& segments,
-                 const LightDirection<Real>& direction, const EvenMedium<Real>& medium, L (&radiance)[3],
-                 ScatterCounts& counts)
+                 const LightDirection<Real>& direction, const EvenMedium<Real>& medium,
+                 const UnevenGroup<Real>* uneven, L (&radiance)[3], ScatterCounts& counts)
         : sheet_(sheet),
           segments_(segments),
           direction_(direction),
           medium_(medium),
+          uneven_(uneven),
           radiance_(radiance),
           target_(&radiance),
           counts_(counts),
@@ -96,6 +97,7 @@ private:
         counts_.beams += static_cast<std::size_t>(kLanes<Real>);
         sheet_.corners(beam, direction_.shift, corner_);
         slices_ = slices(corner_, part_);
+        beam_ = beam;
         flux_ = 2 * sheet.flux[beam];
         visit_pieces(slices_, met, [&](const L& enter, const L& leave, const Mask<Real>& mask) {
             if (lies_free(beam, enter, leave, mask))
@@ -278,7 +280,15 @@ private:
         return n;
     }
 
-    void add_piece(const L& enter, const L& leave, const Mask<Real>& mask) {
+    void add_piece(const L& enter, const L& leave, Mask<Real> mask) {
+        if (uneven_) {
+            const bool dimmed = sheet_.columns_.dims(sheet_.coverage_.triangles()[beam_]);
+            const Mask<Real> uneven = dimmed ? mask : mask & uneven_->uneven;
+            for (unsigned lanes = bits(uneven); lanes != 0; lanes &= lanes - 1)
+                add_uneven(enter, leave, __builtin_ctz(lanes));
+            mask &= ~uneven;
+            if (!any(mask)) return;
+        }
         // Optical depth may be too much for one rule.
         const L from = node(enter).path, to = node(leave).path;
         const L change = mask ? magnitude(to - from) * medium_.most : L{};
@@ -357,10 +367,87 @@ private:
         }
     }
 
+    /// One segment through bounded media: part by part of what it scatters, each with the exact integral of
+    /// one over the area and the rest in its middle.
+    void add_uneven(const L& enter, const L& leave, int lane) {
+        const auto at = [lane](const L& v) { return static_cast<double>(v[lane]); };
+        const SegmentScatter& scatter = uneven_->scatter[lane];
+        const std::span<const double> places = scatter.places();
+        const double middle = at(middle_), half = at(half_);
+        const double first = std::max(middle + half * at(enter), scatter.first());
+        const double last = std::min(middle + half * at(leave), scatter.last());
+        if (!(first < last)) return;
+        auto piece =
+            static_cast<std::size_t>(std::upper_bound(places.begin(), places.end(), first) - places.begin()) -
+            1;
+        double light[3] = {};
+        for (double from = first; from < last; ++piece) {
+            const double to = std::min(last, places[piece + 1]);
+            if (from < to) add_part(scatter, piece, from, to, lane, light);
+            from = to;
+        }
+        for (int c = 0; c < 3; ++c) {
+            if (std::isfinite(light[c]))
+                (*target_)[c][lane] += static_cast<Real>(light[c]);
+            else
+                counts_.dropped += 1;
+        }
+    }
+
+    void add_part(const SegmentScatter& scatter, std::size_t piece, double from, double to, int lane,
+                  double (&light)[3]) {
+        const auto at = [lane](const L& v) { return static_cast<double>(v[lane]); };
+        const double middle = at(middle_), scale = 1 / at(half_);
+        const double t = (0.5 * (from + to) - middle) * scale, half = 0.5 * (to - from) * scale;
+        const auto value = [&](const Quadratic<Real>& q) { return at(q.c0) + t * (at(q.c1) + t * at(q.c2)); };
+        // Integral over [-1, 1] of one over the area.
+        const double q0 = value(slices_.area);
+        const double q1 = half * (at(slices_.area.c1) + 2 * t * at(slices_.area.c2));
+        const double q2 = half * half * at(slices_.area.c2);
+        double weight[3];
+        if (std::abs(q1) + 3 * std::abs(q2) <= kEvenEnough * std::abs(q0) ||
+            !product_weights(q0, q1, q2, weight)) {
+            for (int j = 0; j < 3; ++j)
+                weight[j] = kNodeWeights[j] / std::abs(q0 + kNodes[j] * (q1 + kNodes[j] * q2));
+        }
+        const double density = static_cast<double>(flux_) * 0.5 * (weight[0] + weight[1] + weight[2]);
+        // The ray through the middle.
+        glm::dvec3 w(value(slices_.edge[0]), value(slices_.edge[1]), value(slices_.edge[2]));
+        const double whole = w.x + w.y + w.z;
+        w = whole != 0 ? w / whole : glm::dvec3(1.0 / 3);
+        glm::dvec3 slope(0, 0, 1);
+        double start = 0;
+        for (int k = 0; k < 3; ++k) {
+            slope.x += w[k] * static_cast<double>(corner_[k].slope_a);
+            slope.y += w[k] * static_cast<double>(corner_[k].slope_b);
+            start += w[k] * static_cast<double>(corner_[k].start);
+        }
+        const double depth = at(part_.depth) + t * at(part_.half_depth), stretch = glm::length(slope);
+        const glm::uvec3& triangle = sheet_.coverage_.triangles()[beam_];
+        glm::dvec3 dimmed(0);
+        if (sheet_.columns_.dims(triangle)) dimmed = sheet_.columns_.optical_depth(triangle, w, depth);
+        const double way = std::max(0.0, (depth - start) * stretch);
+        for (int c = 0; c < 3; ++c) dimmed[c] += way * static_cast<double>(medium_.extinction[c]);
+        const glm::dvec3 seen(at(segments_.to_a), at(segments_.to_b), at(segments_.to_depth));
+        const double sine = 0.5 * glm::length(slope / stretch + seen);
+        glm::dvec3 scattered(0);
+        for (std::size_t i = 0; i < uneven_->phases.size(); ++i) {
+            const glm::dvec3 of_component =
+                scatter.scattered(i, piece, to) - scatter.scattered(i, piece, from);
+            if (of_component != glm::dvec3(0))
+                scattered +=
+                    static_cast<double>(uneven_->phases[i].at(static_cast<Real>(sine))) * of_component;
+        }
+        for (int c = 0; c < 3; ++c)
+            light[c] +=
+                static_cast<double>(color_[c]) * density * stretch * std::exp(-dimmed[c]) * scattered[c];
+    }
+
     const ScatterSheet<Real>& sheet_;
     const SegmentLanes<Real>& segments_;
     const LightDirection<Real>& direction_;
     const EvenMedium<Real>& medium_;
+    const UnevenGroup<Real>* uneven_;
     L (&radiance_)[3];
     L (*target_)[3];  ///< of add_piece: radiance_, or what is to be tested first
     ScatterCounts& counts_;
@@ -370,6 +457,7 @@ private:
     L middle_{}, half_{};  ///< of the part, m along the segments
     BeamCorner<Real> corner_[3];
     BeamSlices<Real> slices_;
+    std::uint32_t beam_ = 0;
     Real flux_ = 0;  ///< of the beam, doubled as its area is
     /// Light of a part of an interval, if nothing stands in its way.
     struct Pair {
@@ -382,10 +470,11 @@ private:
 };
 
 template <class Real>
-ScatterSheet<Real>::ScatterSheet(const SheetCoverage<Real>& sheet)
+ScatterSheet<Real>::ScatterSheet(const SheetCoverage<Real>& sheet, const media::Media& media)
     : coverage_(sheet),
       ways_(sheet),
-      bounds_(sheet.sheet(), sheet.pyramid(), sheet.triangles(), ways_.last_depths()) {}
+      bounds_(sheet.sheet(), sheet.pyramid(), sheet.triangles(), ways_.last_depths()),
+      columns_(media, sheet) {}
 
 template <class Real>
 LightDirection<Real> ScatterSheet<Real>::direction(glm::dvec2 disc) const {
@@ -432,12 +521,23 @@ SegmentLanes<Real> ScatterSheet<Real>::in_sheet(const SegmentGroup<Real>& group)
 
 template <class Real>
 void ScatterSheet<Real>::add(const SegmentGroup<Real>& segments, const LightDirection<Real>& direction,
-                             const EvenMedium<Real>& medium, Lanes<Real> (&radiance)[3],
-                             ScatterCounts& counts) const {
+                             const EvenMedium<Real>& medium, const UnevenGroup<Real>* uneven,
+                             Lanes<Real> (&radiance)[3], ScatterCounts& counts) const {
     if (coverage_.pyramid().empty()) return;
     SegmentLanes<Real> lanes = in_sheet(segments);
     if (medium.least > 0) lanes.length = lesser(lanes.length, splat(Real(kOpaque) / medium.least));
-    ScatterQuery<Real>(*this, lanes, direction, medium, radiance, counts).run();
+    if (uneven) {
+        for (int lane = 0; lane < kLanes<Real>; ++lane) {
+            if (!uneven->uneven[lane]) continue;
+            const SegmentScatter& scatter = uneven->scatter[lane];
+            // A little more: what is taken is cut by the scattering itself.
+            lanes.first[lane] = static_cast<Real>(scatter.first()) * (1 - Real(1e-6));
+            lanes.length[lane] = scatter.first() < scatter.last()
+                                     ? static_cast<Real>(scatter.last()) * (1 + Real(1e-6))
+                                     : Real(-1);
+        }
+    }
+    ScatterQuery<Real>(*this, lanes, direction, medium, uneven, radiance, counts).run();
 }
 
 template class ScatterSheet<float>;

@@ -10,6 +10,7 @@
 #include "methods/sliced_beams/phase_table.h"
 #include "methods/sliced_beams/scatter_bounds.h"
 #include "methods/sliced_beams/sheet_coverage.h"
+#include "methods/sliced_beams/uneven_media.h"
 
 namespace dapple::methods::sliced_beams {
 
@@ -61,6 +62,14 @@ struct LightDirection {
     glm::vec3 to_sun{0, 0, 0};      ///< unit; 0: a lamp
 };
 
+/// What segments that may meet bounded media scatter, a lane each.
+template <class Real>
+struct UnevenGroup {
+    SegmentScatter scatter[kLanes<Real>];
+    Mask<Real> uneven{};  ///< lanes of which it is to be taken; others', where a beam is dimmed
+    std::span<const PhaseTable<Real>> phases;  ///< of all components
+};
+
 /// One beam sheet, ready to be asked for the light that a medium scatters out of its beams: along each
 /// segment the intervals within beams from quadratics, and on these product quadrature with the exact moments
 /// of one over the beam's area (the flux's density). No sampling, no tolerance.
@@ -68,12 +77,14 @@ template <class Real>
 class ScatterSheet {
 public:
     /// All references outlive this.
-    explicit ScatterSheet(const SheetCoverage<Real>& sheet);
+    ScatterSheet(const SheetCoverage<Real>& sheet, const media::Media& media);
 
     /// Adds what reaches the segments' near ends, W/m^2/sr, of light of one direction, which stands for all
     /// of the sheet's. Thread-safe.
+    /// `medium`: on the sheet's side of the water; `uneven` null where there are no bounded media on it.
     void add(const SegmentGroup<Real>& segments, const LightDirection<Real>& direction,
-             const EvenMedium<Real>& medium, Lanes<Real> (&radiance)[3], ScatterCounts& counts) const;
+             const EvenMedium<Real>& medium, const UnevenGroup<Real>* uneven, Lanes<Real> (&radiance)[3],
+             ScatterCounts& counts) const;
 
     /// That of a point of the unit disc.
     LightDirection<Real> direction(glm::dvec2 disc) const;
@@ -92,6 +103,7 @@ private:
     const SheetCoverage<Real>& coverage_;
     BeamWays<Real> ways_;
     ScatterBounds<Real> bounds_;
+    RayColumns<Real> columns_;
 };
 
 extern template class ScatterSheet<float>;

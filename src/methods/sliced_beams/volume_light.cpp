@@ -10,9 +10,10 @@ VolumeLight::VolumeLight(const scene::FrameScene& scene, Sheets sheets, FrameSta
     : scene_(scene), media_(scene) {
     const std::vector<media::Component>& components = media_.components();
     for (std::size_t i = 0; i < components.size(); ++i) phases_.emplace_back(media_, i);
-    water_ = EvenMedium<float>(components[0].extinction, components[0].scattering, phases_[0]);
+    even_[0] = EvenMedium<float>({0, 0, 0}, {0, 0, 0}, phases_[0]);
+    even_[1] = EvenMedium<float>(components[0].extinction, components[0].scattering, phases_[0]);
     for (const auto& sheet : sheets) {
-        sheets_.push_back(std::make_unique<ScatterSheet<float>>(*sheet));
+        sheets_.push_back(std::make_unique<ScatterSheet<float>>(*sheet, media_));
         if (!sheets_.back()->ways().empty()) sheets_.back()->ways().report(stats);
     }
 }
@@ -34,6 +35,20 @@ std::vector<VolumeLight::Direction> VolumeLight::directions(const view::SegmentL
     return all;
 }
 
+void VolumeLight::find_uneven(const LayerGroup& group, UnevenGroup<float>& uneven) const {
+    uneven.phases = phases_;
+    for (int lane = 0; lane < kLanes<float>; ++lane) {
+        const SegmentGroup<float>& s = group.segments;
+        if (!(s.length[lane] >= 0)) continue;
+        const glm::dvec3 origin(s.origin[0][lane], s.origin[1][lane], s.origin[2][lane]);
+        const glm::dvec3 direction(s.direction[0][lane], s.direction[1][lane], s.direction[2][lane]);
+        const auto length = static_cast<double>(s.length[lane]);
+        uneven.scatter[lane] = SegmentScatter(media_, origin, direction, length, group.in_water);
+        // The air scatters nothing by itself.
+        if (!group.in_water || media_.may_meet(origin, direction, length, true)) uneven.uneven[lane] = -1;
+    }
+}
+
 void VolumeLight::add(const view::SegmentLayer& layer, std::span<glm::vec3> radiance,
                       ScatterCounts& counts) const {
     const std::vector<Direction> side[2] = {directions(layer, false), directions(layer, true)};
@@ -45,10 +60,14 @@ void VolumeLight::add(const view::SegmentLayer& layer, std::span<glm::vec3> radi
         for (std::size_t block = begin; block < end; ++block) {
             for (const LayerGroup& group : segments.groups(block)) {
                 if (!media_.scatters(group.in_water)) continue;
+                const bool bounded = media_.bounded(group.in_water);
+                UnevenGroup<float> uneven;
+                if (bounded) find_uneven(group, uneven);
                 Lanes<float> sum[3] = {};
                 for (const Direction& direction : side[group.in_water]) {
                     Lanes<float> one[3] = {};
-                    sheets_[direction.sheet]->add(group.segments, direction.light, water_, one, part);
+                    sheets_[direction.sheet]->add(group.segments, direction.light, even_[group.in_water],
+                                                  bounded ? &uneven : nullptr, one, part);
                     for (int c = 0; c < 3; ++c) sum[c] += direction.share * one[c];
                 }
                 for (std::size_t lane = 0; lane < group.segment.size(); ++lane)

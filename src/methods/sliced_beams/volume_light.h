@@ -24,6 +24,8 @@ public:
     void add(const view::SegmentLayer& layer, std::span<glm::vec3> radiance, ScatterCounts& counts) const;
 
 private:
+    /// What the group's segments scatter where bounded media may matter to them.
+    void find_uneven(const LayerGroup& group, UnevenGroup<float>& uneven) const;
     struct Direction {
         std::size_t sheet;
         LightDirection<float> light;
@@ -35,7 +37,7 @@ private:
     const scene::FrameScene& scene_;
     media::Media media_;
     std::vector<PhaseTable<float>> phases_;  ///< of the media's components
-    EvenMedium<float> water_{};
+    EvenMedium<float> even_[2]{};            ///< in the air: nothing; in the water
     std::vector<std::unique_ptr<ScatterSheet<float>>> sheets_;
 };
 
