@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "base/hash.h"
+#include "methods/reference/oracle.h"
 #include "methods/reference_volume_frame.h"
 
 namespace dapple {
@@ -95,6 +97,58 @@ TEST(ReferenceVolume, TotalReflectionShowsTwoSegments) {
                    seen * flat_water_scatter(state, 35, 0, down, 1 / way.y, channel, 0.6);
         };
         expect_scatter(result, over_pixels(state, exact), 0.03, channel);
+    }
+}
+
+TEST(ReferenceVolume, WavesAgainstProvenPaths) {
+    // One wide pixel, from under water and through the waves, down to about their focus: its mean over random
+    // places of random camera paths, by all paths of light to them, which the oracle
+    // proves; four places a path.
+    for (const double height : {-0.5, 0.8}) {
+        scene::FrameState state = water_with_eye({0.1, height, 0.2}, {0.1, -1, -0.2}, 1, 1);
+        state.camera.field_of_view = 20 * scene::kDegree;
+        state.water->extent.size = {5, 5};
+        state.water->surface.waves.waves = {{0.4, 0.3, 0.0036, 0}, {0.31, 2, 0.0024, 1}};
+        state.water->phase.anisotropy = 0.3;
+        state.objects.resize(1);
+        state.lights = {sun_from_zenith(25)};
+        state.caustics.reference = {0.005, 100};
+        VolumeFrame frame(state);
+        const LayerResult result = frame.scatter();
+        const double found = static_cast<double>(result.irradiance[0].y);
+        const double found_variance = static_cast<double>(result.data[1].values[0]);
+
+        const oracle::Oracle paths(*state.water, state.lights[0], 0);
+        const double sigma_t = state.water->extinction().y;
+        double sum = 0, square = 0;
+        view::SegmentLayer segments;
+        constexpr std::uint64_t count = 2000;
+        for (std::uint64_t i = 0; i < count; ++i) {
+            if (i % 4 == 0) {
+                view::LayerRequest request;
+                request.offset = glm::dvec2(hash_uniform(5, 0, i, 0), hash_uniform(5, 0, i, 1));
+                view::LayerCounts ignored;
+                view::trace_layer(frame.scene, *frame.rays, request, ignored, &segments);
+            }
+            ASSERT_EQ(segments.segments(), 1u);
+            const auto length = static_cast<double>(segments.length[0]);
+            const glm::dvec3 way(segments.direction[0]);
+            const double at = length * (static_cast<double>(i % 4) + hash_uniform(5, 0, i, 2)) / 4;
+            double radiance = 0;
+            for (const oracle::Path& path :
+                 paths.paths(glm::dvec3(segments.origin[0]) + at * way, {0, 1, 0}).paths) {
+                radiance += 2 * path.irradiance / -path.direction.y * std::exp(-sigma_t * (path.way + at)) *
+                            henyey_greenstein(0.3, -dot(path.direction, way));
+            }
+            const double value =
+                static_cast<double>(segments.throughput[0].y) * length * state.water->scattering.y * radiance;
+            sum += value / count;
+            square += value * value / count;
+        }
+        const double variance = (square - sum * sum) / count;
+        printf("%.5g +- %.2g of %.5g +- %.2g\n", found, std::sqrt(found_variance), sum, std::sqrt(variance));
+        EXPECT_NEAR(found, sum, 3.5 * std::sqrt(variance + found_variance));
+        EXPECT_LT(std::sqrt(variance), 0.03 * sum);
     }
 }
 

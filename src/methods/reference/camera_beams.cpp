@@ -8,8 +8,6 @@
 namespace dapple::reference {
 namespace {
 
-constexpr double kMostVoxels = 0x1p24;
-constexpr double kMostEntries = 0x1.8p25;
 /// Events at most on a way across all beams.
 constexpr double kMostSteps = 32;
 constexpr std::uint32_t kNoBeam = 0xffffffffu;
@@ -92,7 +90,7 @@ void CameraBeams::choose_voxels() {
     }
     width /= static_cast<double>(beams_.size());
     const glm::dvec3 size = high_ - low_;
-    voxel_ = std::max(2 * width, 1e-6 * (1 + length(size)));
+    voxel_ = std::max(width, 1e-6 * (1 + length(size)));
     const auto too_many = [&] {
         const double around = 1 + width / voxel_;
         const glm::dvec3 counts = glm::floor(size / voxel_) + 1.0;
@@ -101,7 +99,7 @@ void CameraBeams::choose_voxels() {
     };
     while (too_many()) voxel_ *= 1.25;
     count_ = glm::ivec3(glm::floor(size / voxel_)) + 1;
-    spacing_ = std::max(2 * voxel_, length(size) / kMostSteps);
+    spacing_ = std::max(4 * width, length(size) / kMostSteps);
 }
 
 template <class Visit>
@@ -143,6 +141,11 @@ bool CameraBeams::find(const CameraBeam& beam, const glm::dvec3& position, Place
     const glm::dvec3 o(beam.origin), d(beam.direction), uo(beam.u_origin), ud(beam.u_direction),
         vo(beam.v_origin), vd(beam.v_direction);
     place = {0, 0, dot(position - o, d), 0};
+    const auto square = [](const glm::dvec3& v) { return dot(v, v); };
+    // Most beams around are far off: half as far again as a corner.
+    if (square(position - o - place.s * d) >
+        4.5 * (half_.x * half_.x * square(uo + place.s * ud) + half_.y * half_.y * square(vo + place.s * vd)))
+        return false;
     // Newton's method; P is linear in each of u, v and s.
     for (int step = 0; step < 4; ++step) {
         const glm::dvec3 by_u = uo + place.s * ud, by_v = vo + place.s * vd,
@@ -216,10 +219,6 @@ void CameraBeams::add_events(const LightWay& way, MediaProbe& light_probe, Media
             if (event.radiance != glm::dvec3(0)) events.push_back(event);
         }
     }
-}
-
-std::size_t CameraBeams::bytes() const {
-    return beams_.size() * sizeof(CameraBeam) + (first_.size() + found_.size()) * sizeof(std::uint32_t);
 }
 
 }  // namespace dapple::reference

@@ -33,8 +33,12 @@ public:
     CameraBeams() = default;
     CameraBeams(std::vector<CameraBeam> beams, glm::dvec2 half);
 
+    /// Limits of the voxels; larger ones are used where these do not suffice.
+    static constexpr double kMostVoxels = 0x1p24, kMostEntries = 0x1.8p25;
+    /// At most, beside the beams themselves.
+    static constexpr double kMostBytes = (3 * kMostVoxels + kMostEntries) * sizeof(std::uint32_t);
+
     bool any() const { return !beams_.empty(); }
-    std::size_t bytes() const;
     void add_events(const LightWay& way, MediaProbe& light_probe, MediaProbe& eye_probe, RandomStream& random,
                     std::vector<ScatteringEvent>& events) const;
 

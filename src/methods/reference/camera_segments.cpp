@@ -58,6 +58,13 @@ int CameraSegments::paths_across(std::size_t pixels) {
     return std::clamp(static_cast<int>(fitting), 2, kMostAcross);
 }
 
+double CameraSegments::bytes(std::size_t pixels) {
+    // Vectors grow by doubling; a path behind the water has one segment in it, sometimes two.
+    const double beams = static_cast<double>(pixels) * paths_across(pixels) * paths_across(pixels);
+    return CameraBeams::kMostBytes + beams * 3 * sizeof(CameraBeam) +
+           static_cast<double>(pixels) * (sizeof(EyeConnection::Target) + 2 * sizeof(glm::dvec3));
+}
+
 CameraSegments::CameraSegments(const scene::FrameScene& scene, const rays::RayScene& rays,
                                const view::SegmentLayer& layer)
     : segments(layer.segments()), throughput(layer.throughput.begin(), layer.throughput.end()) {
@@ -101,7 +108,6 @@ CameraSegments::CameraSegments(const scene::FrameScene& scene, const rays::RaySc
         }
     }
     for (CameraBeam& beam : found) beam.factor /= static_cast<float>(alike[beam.segment]);
-    beam_count = found.size();
     beams = CameraBeams(std::move(found), 0.5 * size);
 
     eye.emplace(scene, from_eye.in_water);

@@ -19,7 +19,6 @@ struct CameraSegments {
     CameraBeams beams;
     std::size_t segments = 0;
     std::vector<glm::dvec3> throughput;  ///< of the layer's own
-    std::size_t beam_count = 0;
 
     CameraSegments(const scene::FrameScene& scene, const rays::RayScene& rays,
                    const view::SegmentLayer& layer);
@@ -27,6 +26,8 @@ struct CameraSegments {
     /// Most sub-pixel paths along each side of the pixel; fewer in large pictures.
     static constexpr int kMostAcross = 8;
     static int paths_across(std::size_t pixels);
+    /// While it is made and used, for a picture whose paths have a few segments each.
+    static double bytes(std::size_t pixels);
 };
 
 }  // namespace dapple::reference

@@ -8,6 +8,7 @@
 #include "methods/reference/camera_segments.h"
 #include "methods/reference/light_pass.h"
 #include "methods/reference/reference_state.h"
+#include "methods/reference/volume_pass.h"
 
 namespace dapple::methods {
 
@@ -69,8 +70,11 @@ std::size_t Reference::bytes(const scene::FrameState& state, std::size_t pixels)
     constexpr double kDeposits = 64 * 2048 * 2 * 32;
     constexpr double kMost = 0x1p61;
     const double water = state.water ? reference::surface_bytes(*state.water) : 0;
+    const bool scatters = (state.water && state.water->scattering != glm::dvec3(0)) || !state.media.empty();
+    const double volume =
+        scatters ? reference::CameraSegments::bytes(pixels) + double{reference::kWaitingBytes} : 0;
     return static_cast<std::size_t>(
-        std::min(kMost, static_cast<double>(pixels) * a_pixel + layers * kDeposits + water));
+        std::min(kMost, static_cast<double>(pixels) * a_pixel + layers * kDeposits + water + volume));
 }
 
 void Reference::begin(FrameContext& context) {

@@ -9,9 +9,8 @@
 namespace dapple::reference {
 namespace {
 
-constexpr std::size_t kTile = 512;                ///< strata, at least
-constexpr std::size_t kSegmentsAStratum = 16;     ///< where there are many segments tiles are larger
-constexpr std::size_t kKeptBytes = 128ull << 20;  ///< of tiles that wait to be added
+constexpr std::size_t kTile = 512;             ///< strata, at least
+constexpr std::size_t kSegmentsAStratum = 16;  ///< where there are many segments tiles are larger
 constexpr std::size_t kMostTilesAtOnce = 64;
 constexpr std::size_t kBatch = 1024;  ///< events whose visibility is asked at one go
 
@@ -138,7 +137,7 @@ bool run_volume_pass(const VolumeJob& job, LightPass pass, const std::vector<Wat
     rays = 0;
     const std::size_t tile = std::max(kTile, segments / kSegmentsAStratum);
     const std::size_t at_once = std::clamp<std::size_t>(
-        kKeptBytes / (sizeof(glm::dvec3) * std::max<std::size_t>(1, segments)), 1, kMostTilesAtOnce);
+        kWaitingBytes / (sizeof(glm::dvec3) * std::max<std::size_t>(1, segments)), 1, kMostTilesAtOnce);
     std::vector<std::vector<glm::dvec3>> sums(at_once);
     for (std::size_t light = 0; light < job.tracer.lights(); ++light) {
         const StrataLayout layout(weights[light].tiles, weights[light].weights, pass.strata);

@@ -8,6 +8,9 @@
 
 namespace dapple::reference {
 
+/// Of the sums of tiles of strata that wait to be added (more only where one tile is larger).
+constexpr std::size_t kWaitingBytes = std::size_t{128} << 20;
+
 /// The light and the camera's side of one layer.
 struct VolumeJob {
     const scene::FrameScene& scene;
