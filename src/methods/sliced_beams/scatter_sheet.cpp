@@ -62,7 +62,8 @@ public:
           radiance_(radiance),
           target_(&radiance),
           counts_(counts),
-          color_(sheet.coverage_.sheet().color) {}
+          color_(sheet.coverage_.sheet().color),
+          scattered_(uneven ? uneven->phases.size() : 0) {}
 
     void run() {
         const BeamPyramid<Real>& pyramid = sheet_.coverage_.pyramid();
@@ -398,7 +399,8 @@ private:
                   double (&light)[3]) {
         const auto at = [lane](const L& v) { return static_cast<double>(v[lane]); };
         const double middle = at(middle_), scale = 1 / at(half_);
-        const double t = (0.5 * (from + to) - middle) * scale, half = 0.5 * (to - from) * scale;
+        double t = (0.5 * (from + to) - middle) * scale;
+        const double half = 0.5 * (to - from) * scale;
         const auto value = [&](const Quadratic<Real>& q) { return at(q.c0) + t * (at(q.c1) + t * at(q.c2)); };
         // Integral over [-1, 1] of one over the area.
         const double q0 = value(slices_.area);
@@ -411,7 +413,22 @@ private:
                 weight[j] = kNodeWeights[j] / std::abs(q0 + kNodes[j] * (q1 + kNodes[j] * q2));
         }
         const double density = static_cast<double>(flux_) * 0.5 * (weight[0] + weight[1] + weight[2]);
-        // The ray through the middle.
+        // What is scattered, and the centroid of it, at which the rest is taken.
+        const double centre = 0.5 * (from + to);
+        glm::dvec3 halves[2] = {};
+        for (std::size_t i = 0; i < uneven_->phases.size(); ++i) {
+            const glm::dvec3 first = scatter.scattered(i, piece, from);
+            const glm::dvec3 until = scatter.scattered(i, piece, centre);
+            const glm::dvec3 last = scatter.scattered(i, piece, to);
+            scattered_[i] = last - first;
+            halves[0] += until - first;
+            halves[1] += last - until;
+        }
+        const double before = halves[0].x + halves[0].y + halves[0].z;
+        const double after = halves[1].x + halves[1].y + halves[1].z;
+        if (!(before + after > 0)) return;
+        t += half * 2 / 3 * (after - before) / (before + after);
+        // The ray through it.
         glm::dvec3 w(value(slices_.edge[0]), value(slices_.edge[1]), value(slices_.edge[2]));
         const double whole = w.x + w.y + w.z;
         w = whole != 0 ? w / whole : glm::dvec3(1.0 / 3);
@@ -425,19 +442,17 @@ private:
         const double depth = at(part_.depth) + t * at(part_.half_depth), stretch = glm::length(slope);
         const glm::uvec3& triangle = sheet_.coverage_.triangles()[beam_];
         glm::dvec3 dimmed(0);
-        if (sheet_.columns_.dims(triangle)) dimmed = sheet_.columns_.optical_depth(triangle, w, depth);
+        if (sheet_.columns_.dims(triangle))
+            dimmed = sheet_.columns_.optical_depth(triangle, w, depth - start);
         const double way = std::max(0.0, (depth - start) * stretch);
         for (int c = 0; c < 3; ++c) dimmed[c] += way * static_cast<double>(medium_.extinction[c]);
         const glm::dvec3 seen(at(segments_.to_a), at(segments_.to_b), at(segments_.to_depth));
         const double sine = 0.5 * glm::length(slope / stretch + seen);
         glm::dvec3 scattered(0);
-        for (std::size_t i = 0; i < uneven_->phases.size(); ++i) {
-            const glm::dvec3 of_component =
-                scatter.scattered(i, piece, to) - scatter.scattered(i, piece, from);
-            if (of_component != glm::dvec3(0))
+        for (std::size_t i = 0; i < uneven_->phases.size(); ++i)
+            if (scattered_[i] != glm::dvec3(0))
                 scattered +=
-                    static_cast<double>(uneven_->phases[i].at(static_cast<Real>(sine))) * of_component;
-        }
+                    static_cast<double>(uneven_->phases[i].at(static_cast<Real>(sine))) * scattered_[i];
         for (int c = 0; c < 3; ++c)
             light[c] +=
                 static_cast<double>(color_[c]) * density * stretch * std::exp(-dimmed[c]) * scattered[c];
@@ -467,6 +482,7 @@ private:
         bool after, before;
     };
     std::vector<Pair> pairs_;
+    std::vector<glm::dvec3> scattered_;  ///< a component, of one part
 };
 
 template <class Real>

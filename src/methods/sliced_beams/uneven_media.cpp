@@ -163,7 +163,7 @@ RayColumns<Real>::RayColumns(const media::Media& media, const SheetCoverage<Real
             while (high > low && same(places - 1, high - 1)) --high;
             float* out = columns_.data() + first_[i];
             const double step = std::max(1e-6, (profile.place[high] - profile.place[low]) / (kPoints - 1));
-            out[0] = static_cast<float>(static_cast<double>(sheet.start[i]) + profile.place[low] / stretch);
+            out[0] = static_cast<float>(profile.place[low] / stretch);
             out[1] = static_cast<float>(step / stretch);
             std::size_t at = low;
             for (std::size_t k = 0; k < kPoints; ++k) {

@@ -49,7 +49,7 @@ public:
                (first_[vertices.x] != kNone || first_[vertices.y] != kNone || first_[vertices.z] != kNone);
     }
     /// Optical depth of the bounded media, a channel, along a mean of three rays, down to a depth along the
-    /// axis.
+    /// axis from where each leaves the water.
     glm::dvec3 optical_depth(const glm::uvec3& vertices, const glm::dvec3& weights, double depth) const;
     std::size_t bytes() const {
         return first_.size() * sizeof(std::uint32_t) + columns_.size() * sizeof(float);
@@ -62,7 +62,7 @@ private:
     std::size_t media_ = 0;               ///< bounded ones
     std::vector<glm::dvec3> extinction_;  ///< /m, of each where its density is 1
     std::vector<std::uint32_t> first_;    ///< a vertex: where its entry begins, or kNone
-    std::vector<float> columns_;          ///< an entry: first depth, step, kPoints columns of each medium
+    std::vector<float> columns_;  ///< an entry: first depth from there, step, kPoints columns of each medium
 };
 
 extern template class RayColumns<float>;
