@@ -81,8 +81,8 @@ std::string left_out(const std::vector<std::string>& plan) {
 
 /// Verdict on a run that ended well, by a reference that did too. `plan` gives why light paths are left out.
 template <class Plan>
-void compare(CaseVerdict& verdict, const CaseRun& run, const ErrorJudge& judge, double tolerance,
-             const Plan& plan) {
+void compare(CaseVerdict& verdict, const CaseRun& run, const ErrorJudge& judge, const Plan& plan) {
+    const double tolerance = energy_tolerance(judge.noise());
     const ClipErrors errors = judge.judge(run.paths()).errors;
     verdict.energy = errors.energy;
     verdict.l1 = errors.l1;
@@ -99,8 +99,9 @@ void compare(CaseVerdict& verdict, const CaseRun& run, const ErrorJudge& judge, 
     if (errors.compared == 0) {
         why = left_out(plan());
     } else if (errors.compared < kWhole) {
-        verdict.reason += ", where it answers " + change(errors.bias);
-        if (std::abs(errors.bias) <= tolerance) why = run.partly();
+        const double there = energy_tolerance(judge.noise(), errors.compared);
+        verdict.reason += ", where it answers " + change(errors.bias) + " of ±" + percent(there) + " %";
+        if (std::abs(errors.bias) <= there) why = run.partly();
     }
     if (why.empty()) {
         verdict.reason += ": no plan says why";
@@ -135,9 +136,9 @@ std::vector<std::string> hard_case_files(const std::string& folder) {
     return files;
 }
 
-double energy_tolerance(const ReferenceNoise& noise) {
+double energy_tolerance(const ReferenceNoise& noise, double share) {
     const double deviation = noise.rmse.value_or(0);
-    return kEnergyTolerance + (deviation > 0 ? 3 * deviation / std::sqrt(noise.pixels) : 0);
+    return kEnergyTolerance + (deviation > 0 ? 3 * deviation / std::sqrt(noise.pixels * share) : 0);
 }
 
 HardCase judge_hard_case(const std::string& timeline, const std::vector<std::string>& methods,
@@ -162,12 +163,10 @@ HardCase judge_hard_case(const std::string& timeline, const std::vector<std::str
     const CaseRun reference = run("reference");
     if (renderings.interrupted()) return result;
     std::optional<ErrorJudge> judge;
-    double tolerance = kEnergyTolerance;
     if (reference.manifest) {
         judge.emplace(reference.paths(), reference.frames, "E",
                       timeline::Timeline::load(timeline, overrides_of("reference")).clip().samples);
         const double noise = judge->noise().rmse.value_or(0);
-        tolerance = energy_tolerance(judge->noise());
         result.reference = judge->noise().mean > 0 ? "noise " + percent(noise) + " % a pixel" : "dark";
     } else {
         result.reference = reference.end.error;
@@ -192,7 +191,7 @@ HardCase judge_hard_case(const std::string& timeline, const std::vector<std::str
             if (verdict.non_finite > 0) {
                 verdict.reason = std::to_string(verdict.non_finite) + " values were NaN or infinite";
             } else if (judge) {
-                compare(verdict, made, *judge, tolerance,
+                compare(verdict, made, *judge,
                         [&] { return renderings.plan(timeline, overrides_of(method)); });
             } else {
                 verdict.reason = "no reference: " + result.reference;

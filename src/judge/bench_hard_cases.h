@@ -43,8 +43,8 @@ HardCase judge_hard_case(const std::string& timeline, const std::vector<std::str
                          const std::string& folder, Renderings& renderings);
 
 /// Light that a method may lose or gain against the reference: 1 %, beside three standard errors of the sum
-/// over the pixels that are covered.
+/// over the pixels that are covered, or over a `share` of these.
 inline constexpr double kEnergyTolerance = 0.01;
-double energy_tolerance(const ReferenceNoise& noise);
+double energy_tolerance(const ReferenceNoise& noise, double share = 1);
 
 }  // namespace dapple::judge

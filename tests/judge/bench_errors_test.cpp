@@ -133,6 +133,7 @@ TEST_F(ErrorJudgeTest, ASumOverFewCoveredPixelsMayBeOffByMore) {
     const ErrorJudge judge = judge_by({{.light = 1, .variance = 0.04f, .columns = 2}});
     EXPECT_EQ(judge.noise().pixels, 8);
     EXPECT_NEAR(energy_tolerance(judge.noise()), 0.01 + 3 * 0.2 / std::sqrt(8.0), 1e-6);
+    EXPECT_NEAR(energy_tolerance(judge.noise(), 0.25), 0.01 + 3 * 0.2 / std::sqrt(2.0), 1e-6);
     // Without noise, or without light.
     EXPECT_EQ(energy_tolerance(ReferenceNoise{}), 0.01);
 }
