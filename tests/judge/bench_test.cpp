@@ -249,7 +249,12 @@ BenchResult made_up_result() {
     failed.failure = "exit 33: more memory";
     result.rungs.push_back(failed);
     result.hard_cases = {
-        {"case", "what <it> is", "dark", {{"sliced_beams", CaseVerdict::Verdict::fails, "2 values"}}}};
+        {"case",
+         "what <it> is",
+         "dark",
+         {{"sliced_beams", CaseVerdict::Verdict::fails, "2 values"},
+          {"reference", CaseVerdict::Verdict::named, "the plan says it"}}},
+        {"other", "", "dark", {{"sliced_beams", CaseVerdict::Verdict::holds, "light right"}}}};
     result.provenance = {{"command", "dapple bench"}};
     return result;
 }
@@ -265,6 +270,8 @@ TEST(Report, HoldsAllFigures) {
     EXPECT_THAT(json, HasSubstr("\"not_reached\""));
     EXPECT_EQ(case_failures(result), (std::vector<std::string>{"case, sliced_beams fails: 2 values"}));
     EXPECT_THAT(bench_text(result), HasSubstr("case, sliced_beams fails: 2 values"));
+    EXPECT_THAT(bench_text(result),
+                HasSubstr("2 hard cases, 3 verdicts: 1 hold, 1 differ as the plan says, 1 fail"));
     // As many fields in every line of the table, whatever the run.
     const std::string csv = bench_csv(result);
     std::vector<long> commas;
