@@ -243,7 +243,7 @@ struct DensityGrid::Reader::State {
     nanovdb::DefaultReadAccessor<float> accessor;
     glm::dvec3 first;  ///< least and greatest index positions where density is not 0
     glm::dvec3 last;
-    glm::ivec3 block{std::numeric_limits<int>::min()};
+    glm::ivec3 block{1};            ///< its least corner; this one is none
     const float* values = nullptr;  ///< of the block; null where it has one value
     float value = 0;
 
@@ -274,7 +274,7 @@ struct DensityGrid::Reader::State {
                 std::fill(out, out + 8, value);
                 return;
             }
-            const float* v = values + (in_block.x * kBlock + in_block.y) * kBlock + in_block.z;
+            const float* v = values + Leaf::CoordToOffset(coord(in_block));
             for (int corner = 0; corner < 8; ++corner) {
                 out[corner] = v[(corner & 1) * kBlock * kBlock + (corner >> 1 & 1) * kBlock + (corner >> 2)];
             }

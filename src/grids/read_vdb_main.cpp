@@ -143,14 +143,12 @@ void keep_density(openvdb::FloatGrid& grid) {
     Faults negative;
     for (auto voxel = grid.tree().beginValueAll(); voxel; ++voxel) {
         const float value = voxel.getValue();
-        if (!voxel.isValueOn()) {
-            if (value != 0) voxel.setValue(0.0F), voxel.setValueOff();
-        } else if (!std::isfinite(value)) {
+        if (voxel.isValueOn() && !std::isfinite(value)) {
             non_finite.add(voxel.getCoord(), voxel.getVoxelCount());
-        } else if (value < 0) {
+        } else if (voxel.isValueOn() && value < 0) {
             negative.add(voxel.getCoord(), voxel.getVoxelCount());
-        } else if (value == 0) {
-            voxel.setValue(0.0F);  // it may be -0
+        } else if (!voxel.isValueOn() || value == 0) {
+            voxel.setValue(0.0F);  // which may have been -0
             voxel.setValueOff();
         }
     }
@@ -158,10 +156,10 @@ void keep_density(openvdb::FloatGrid& grid) {
     if (negative.count > 0) faults += (faults.empty() ? "" : " and ") + negative.text("negative");
     if (!faults.empty()) refuse("is no density: it has " + faults);
     grid.tree().root().setBackground(0, false);
-    openvdb::tools::pruneInactive(grid.tree(), 0.0F, false);
+    openvdb::tools::pruneInactive(grid.tree(), false);
 }
 
-openvdb::FloatGrid::Ptr float_grid(openvdb::GridBase::Ptr grid) {
+openvdb::FloatGrid::Ptr float_grid(const openvdb::GridBase::Ptr& grid) {
     if (grid->isType<openvdb::DoubleGrid>()) {
         return std::make_shared<openvdb::FloatGrid>(*openvdb::gridPtrCast<openvdb::DoubleGrid>(grid));
     }
@@ -200,7 +198,7 @@ void read_grid(const std::string& path, const std::string& name, std::uint64_t m
     if (grid->tree().empty()) return;
     const openvdb::CoordBBox bounds = grid->evalActiveVoxelBoundingBox();
     constexpr std::int64_t farthest = (std::int64_t{1} << 30) - 4096;
-    for (int axis = 0; axis < 3; ++axis) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
         if (bounds.min()[axis] < -farthest || bounds.max()[axis] > farthest) {
             refuse(quoted + "has voxels that lie too far out, beyond index 2^30");
         }

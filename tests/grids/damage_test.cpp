@@ -5,7 +5,7 @@
 namespace dapple::grids {
 
 TEST(DamagedVdb, EndsInAGridOrAnError) {
-    expect_damage_is_survived(1, 60);
+    expect_damage_is_survived(1, 30);
 }
 
 }  // namespace dapple::grids

@@ -154,6 +154,15 @@ TEST(DensityGrid, BlocksAreEmptyWhereAllVoxelsAre) {
     EXPECT_GT(full, 20);
 }
 
+TEST(DensityGrid, FullBlockIsNotEmpty) {
+    const std::vector<float> ones(512, 1.0F);
+    const auto grid = DensityGrid::from_values({-8, 0, 8}, {8, 8, 8}, ones, kIdentity);
+    DensityGrid::Reader reader(*grid);
+    EXPECT_FALSE(reader.block_is_empty({-8, 0, 8}));
+    EXPECT_FALSE(reader.block_is_empty({-1, 7, 15}));
+    EXPECT_TRUE(reader.block_is_empty({0, 7, 15}));
+}
+
 TEST(DensityGrid, FarAndImpossiblePlacesAreOutside) {
     const std::vector<float> one{1};
     const auto grid = DensityGrid::from_values({0, 0, 0}, {1, 1, 1}, one, kIdentity);

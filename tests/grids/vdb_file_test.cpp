@@ -76,7 +76,7 @@ TEST_F(VdbFile, VoxelsAreThoseWritten) {
     auto values = written->getAccessor();
     std::mt19937 random(1);
     for (int i = 0; i < 5000; ++i) {
-        const Coord at(static_cast<int>(random() % 90) - 40, static_cast<int>(random() % 300) - 200,
+        const Coord at(static_cast<int>(random() % 90) - 40, static_cast<int>(random() % 60) - 40,
                        static_cast<int>(random() % 60));
         values.setValue(at, static_cast<float>(random() % 1000) / 100);  // some are 0
     }
@@ -87,7 +87,7 @@ TEST_F(VdbFile, VoxelsAreThoseWritten) {
     DensityGrid::Reader reader(*grid);
     std::size_t active = 0;
     for (int z = -10; z < 70; ++z) {
-        for (int y = -210; y < 110; ++y) {
+        for (int y = -50; y < 30; ++y) {
             for (int x = -50; x < 60; ++x) {
                 const bool on = values.isValueOn({x, y, z});
                 const float expected = on ? values.getValue({x, y, z}) : 0;
@@ -276,10 +276,10 @@ TEST_F(VdbFile, MemoryIsLimitedWhateverTheFileSays) {
     auto values = grid->getAccessor();
     for (int x = 0; x < 48; ++x) {
         for (int y = 0; y < 32; ++y) {
-            for (int z = 0; z < 48; ++z) values.setValue({8 * x, 8 * y, 8 * z}, 1.0F);  // a leaf each
+            for (int z = 0; z < 32; ++z) values.setValue({8 * x, 8 * y, 8 * z}, 1.0F);  // a leaf each
         }
     }
-    ASSERT_GT(grid->memUsage(), std::size_t{150} << 20);
+    ASSERT_GT(grid->memUsage(), std::size_t{100} << 20);  // more than the budget and what is spare
     write_vdb(path_, {grid}, false);
     expect_error(ExitCode::out_of_memory_budget, HasSubstr("may be damaged"), "density",
                  std::size_t{16} << 20);
