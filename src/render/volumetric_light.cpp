@@ -367,18 +367,37 @@ private:
         Quadrature quadrature(light, even_);
         for (const Cell& cell : cells_.cells)
             quadrature.add(cell, &cells_.densities[cell.first_density], shares_);
-        if (even_ && !rays_.has_objects()) {
+        if (!even_) dim(light);
+        if (!rays_.has_objects()) {
             for (const Share& share : shares_) radiance_[i] += glm::vec3(share.value);
             return;
         }
         cut(shares_, glm::fract(shift), strata_);
         for (const Stratum& stratum : strata_) {
             const LightOnSegment::Way way = light.way(stratum.place);
-            const glm::dvec3 value =
-                even_ ? stratum.value : stratum.value * glm::exp(-light.depth(stratum.place, way));
-            candidates_.push_back({i, glm::vec3(value)});
+            candidates_.push_back({i, glm::vec3(stratum.value)});
             shadow_rays_.push_back({glm::vec3(segment.at(stratum.place)), 0, glm::vec3(-way.direction),
                                     static_cast<float>(way.length * (1 - 1e-6))});
+        }
+    }
+
+    /// By what is lost between light and segment: its optical depth is found in the middles of strata of
+    /// equal light, and linear between.
+    void dim(const LightOnSegment& light) {
+        cut(shares_, 0.5, strata_);
+        if (strata_.empty()) return;
+        if (strata_.size() == 1) strata_.push_back(strata_.front());
+        depths_.clear();
+        for (const Stratum& stratum : strata_)
+            depths_.push_back(light.depth(stratum.place, light.way(stratum.place)));
+        std::size_t next = 1;
+        for (Share& share : shares_) {
+            const double place = 0.5 * (share.begin + share.end);
+            while (next + 1 < strata_.size() && strata_[next].place < place) ++next;
+            const double begin = strata_[next - 1].place, size = strata_[next].place - begin;
+            const double way = size > 0 ? (place - begin) / size : 0.5;
+            const glm::dvec3 depth = glm::mix(depths_[next - 1], depths_[next], way);
+            share.value *= glm::exp(-glm::max(depth, glm::dvec3(0)));
         }
     }
 
@@ -400,6 +419,7 @@ private:
     SegmentCells cells_;
     std::vector<Share> shares_;
     std::vector<Stratum> strata_;
+    std::vector<glm::dvec3> depths_;  ///< of the light's way to the strata's places
     std::vector<Candidate> candidates_;
     std::vector<rays::Ray> shadow_rays_;
 };

@@ -9,8 +9,8 @@
 
 namespace dapple::render {
 
-/// Points of a segment that are tested for shadow of one light, and where media vary for light lost on the
-/// way from it. Samples of a pixel take points that lie between each other's.
+/// Points of a segment that are tested for shadow of one light; samples of a pixel take points that lie
+/// between each other's. As many are asked for light lost on the way from it through grids.
 constexpr int kShadowPoints = 8;
 
 /// Adds to `radiance`, an entry a segment, what it scatters once towards its near end of light that reaches
@@ -19,9 +19,9 @@ constexpr int kShadowPoints = 8;
 ///
 /// All but shadow V is integrated by Gauss' rule between the places of the density profile, for lamps in the
 /// angle seen from them (Kulla and Fajardo 2012), in which the peak of 1/r^2 is flat; so too T_light, where
-/// no medium is a grid. Shadow is tested at kShadowPoints points of equal shares of the light. They are
-/// shifted from pixel to pixel, the same in all frames. A lamp that a segment passes nearer than the
-/// pixel is wide shines as its mean over the pixel.
+/// no medium is a grid; else its optical depth is linear between kShadowPoints points. Shadow is tested at
+/// kShadowPoints points of equal shares of the light. They are shifted from pixel to pixel, the same in all
+/// frames. A lamp that a segment passes nearer than the pixel is wide shines as its mean over the pixel.
 void add_volumetric_direct_light(const scene::FrameScene& scene, const media::Media& media,
                                  const rays::RayScene& rays, const view::SegmentLayer& segments,
                                  std::span<glm::vec3> radiance);
