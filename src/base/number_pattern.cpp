@@ -1,6 +1,8 @@
 #include "base/number_pattern.h"
 
 #include <algorithm>
+#include <filesystem>
+#include <system_error>
 
 namespace dapple {
 namespace {
@@ -47,6 +49,17 @@ std::string with_number(std::string text, const NumberPattern& place, std::int64
     std::string digits = std::to_string(number);
     if (digits.size() < place.digits) digits.insert(0, place.digits - digits.size(), '0');
     return text.replace(place.begin, place.length, digits);
+}
+
+std::optional<std::string> held_file(std::int64_t number, std::int64_t first,
+                                     const std::function<std::string(std::int64_t)>& name) {
+    constexpr std::int64_t longest_hold = 10000;  // a wrong pattern must not cost millions of looks
+    for (std::int64_t n = number; n >= std::max(first, number - longest_hold); --n) {
+        std::string path = name(n);
+        std::error_code ignored;  // a folder that cannot be read shows when the file is
+        if (std::filesystem::exists(path, ignored)) return path;
+    }
+    return std::nullopt;
 }
 
 }  // namespace dapple

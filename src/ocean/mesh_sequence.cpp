@@ -13,9 +13,6 @@
 namespace dapple::ocean {
 namespace {
 
-/// How far back `hold` looks for a file.
-constexpr std::int64_t kLongestHold = 10000;
-
 /// Step between neighbouring floats at the largest coordinate, unit of the file; 0 where some coordinate is
 /// no float, so that the file holds more digits.
 double float_step(const scene::TriangleMesh& mesh) {
@@ -46,11 +43,8 @@ bool exists(const std::string& path) {
 std::string existing_file(const scene::MeshSequence& sequence, std::int64_t number) {
     std::string wanted = scene::file_path(sequence, number);
     if (sequence.missing == scene::MissingFrames::error || exists(wanted)) return wanted;
-    const std::int64_t last_tried = std::max(sequence.first_file, number - kLongestHold);
-    for (std::int64_t earlier = number - 1; earlier >= last_tried; --earlier) {
-        std::string path = scene::file_path(sequence, earlier);
-        if (exists(path)) return path;
-    }
+    const auto name = [&](std::int64_t n) { return scene::file_path(sequence, n); };
+    if (auto held = held_file(number - 1, sequence.first_file, name)) return *held;
     throw Error(ExitCode::input_unreadable, clipped(wanted) + ": no such file, and none before it to hold");
 }
 

@@ -9,8 +9,8 @@ namespace dapple::scene {
 
 // Solonenko & Mobley, Inherent optical properties of Jerlov water types, Applied Optics 54(17), 2015, tables
 // 7 and 8 (as far as they are known to be sound), who inverted the diffuse attenuation by which Jerlov
-// (Marine Optics, 1976) told his types apart. Red, green and blue are their rows at 650, 550 and 450 nm.
-// Where that cannot be:
+// (Marine Optics, 1976) told his types apart. Red, green and blue are their rows at 650, 550 and 450 nm,
+// taken from public transcriptions of the tables and not compared with the print. Where that cannot be:
 //  * IA, IB: absorption at 450 nm lies between those of I and II as Jerlov's K_d there (0.019, 0.026, 0.036,
 //    0.062 /m); at 550 and 650 nm the two agree. Scattering is the paper's equation 8 (Haltrin 1999: water,
 //    small and large particles) fitted to its printed values, to two digits.

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <system_error>
 
+#include "base/number_pattern.h"
 #include "base/suggest.h"
 #include "scene/water_surface.h"
 
@@ -97,13 +98,12 @@ bool exists(const std::string& path) {
     return std::filesystem::exists(path, ignored);
 }
 
-/// The file that stands in for `number` where missing files are held over: the last one before it that
-/// exists.
+/// The file that a sequence shows for `number`; what is missing is told when it is loaded.
 template <class Sequence>
-std::string held_file(const Sequence& sequence, std::int64_t number) {
-    for (std::int64_t n = number; n >= sequence.first_file; --n)
-        if (std::string path = scene::file_path(sequence, n); exists(path)) return path;
-    return scene::file_path(sequence, number);
+std::string shown_file(const Sequence& sequence, std::int64_t number, bool hold) {
+    const auto name = [&](std::int64_t n) { return scene::file_path(sequence, n); };
+    if (!hold) return name(number);
+    return held_file(number, sequence.first_file, name).value_or(name(number));
 }
 
 void add_meshes(const Program& program, std::set<std::string>& files) {
@@ -115,8 +115,7 @@ void add_meshes(const Program& program, std::set<std::string>& files) {
             scene::file_number(meshes, time_of_frame(clip, static_cast<double>(frame)));
         if (number == last) continue;
         last = number;
-        files.insert(meshes.missing == scene::MissingFrames::hold ? held_file(meshes, number)
-                                                                  : scene::file_path(meshes, number));
+        files.insert(shown_file(meshes, number, meshes.missing == scene::MissingFrames::hold));
     }
 }
 
@@ -125,9 +124,7 @@ void add_grids(const scene::Medium& medium, const scene::Clip& clip, std::set<st
     for (std::int64_t frame = clip.first_frame; frame <= clip.last_frame; ++frame)
         numbers.insert(scene::file_number(medium, frame - clip.first_frame));
     for (const std::int64_t number : numbers) {
-        const std::string path = medium.missing == scene::MissingGrid::hold
-                                     ? held_file(medium, number)
-                                     : scene::file_path(medium, number);
+        const std::string path = shown_file(medium, number, medium.missing == scene::MissingGrid::hold);
         if (medium.missing != scene::MissingGrid::empty || exists(path)) files.insert(path);
     }
 }
