@@ -167,7 +167,10 @@ GridBuffer mapped(const File& file) {
 
 ProcessOutput run_reader(const std::vector<std::string>& arguments, double most_seconds,
                          std::size_t most_text) {
-    const File voxels = moved_up(::memfd_create("dapple voxels", MFD_CLOEXEC));
+    const int memory = ::memfd_create("dapple voxels", MFD_CLOEXEC);
+    if (memory < 0)
+        throw Error(ExitCode::failure, std::string("no memory to read into: ") + std::strerror(errno));
+    const File voxels = moved_up(memory);
     int ends[2] = {-1, -1};
     if (::pipe2(ends, O_CLOEXEC) != 0) {
         throw Error(ExitCode::failure, std::string("no pipe to the reader: ") + std::strerror(errno));
