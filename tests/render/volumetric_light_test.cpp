@@ -275,6 +275,28 @@ TEST(VolumetricLight, OfTheSunInABoxFollowsItsClosedForms) {
     }
 }
 
+/// Whatever the density: a wall, and nothing.
+TEST(VolumetricLight, OfDenseAndThinFogIsItsLimit) {
+    LitSegments lit = sun_on_box();
+    lit.add({0, 5, 0}, {0, -1, 0}, 20, false);
+    lit.add({0, 2.5, 0}, {1, 0, 0}, 20, false);
+    scene::Medium& smoke = lit.scene.state.media[0];
+    for (const double density : {1e-9, 100.0, 1e5, 1e9}) {
+        smoke.density = density;
+        smoke.extinction = {0, 1e-3, 1};
+        const std::vector<glm::vec3> found = lit.light();
+        EXPECT_EQ(found[0].x, 0);
+        for (int c = 1; c < 3; ++c) {
+            const double sigma = density * smoke.extinction[c];
+            const double source =
+                smoke.albedo[c] * sigma * lit.scene.state.lights[0].irradiance[c] / (4 * kPi);
+            const double expected = source * -std::expm1(-4 * sigma) / (2 * sigma);
+            EXPECT_NEAR(found[0][c], expected, 1e-3 * expected) << density << " " << c;
+            EXPECT_TRUE(std::isfinite(found[1][c]));
+        }
+    }
+}
+
 TEST(VolumetricLight, OfASlantingSunInABoxIsFineQuadrature) {
     LitSegments lit = sun_on_box();
     const glm::dvec3 travel = glm::normalize(glm::dvec3(1, -0.7, 0.2));
