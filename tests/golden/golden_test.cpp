@@ -38,7 +38,8 @@ INSTANTIATE_TEST_SUITE_P(Demos, GoldenFrame,
                                          Golden{"poolside", "poolside.yaml", 20},
                                          Golden{"deep", "deep.yaml", 20}, Golden{"seabed", "seabed.yaml", 10},
                                          Golden{"bridge", "bridge.yaml", 5},
-                                         Golden{"blender_ocean", "blender_ocean.yaml", 3}),
+                                         Golden{"blender_ocean", "blender_ocean.yaml", 3},
+                                         Golden{"godrays", "godrays.yaml", 20}),
                          [](const auto& golden) { return golden.param.name; });
 
 image::Image render_small(const Golden& golden) {
