@@ -50,7 +50,28 @@ double CameraBeams::reach(const CameraBeam& beam) const {
 
 namespace {
 
-/// The four edges of a beam are straight.
+double square(const glm::dvec3& v) {
+    return dot(v, v);
+}
+
+/// Twice the area of the parallelogram by the sum of the squares of its sides, across the beam: about the
+/// ratio of its axes, signed.
+double slenderness(const CameraBeam& beam, double s) {
+    const glm::dvec3 d(beam.direction);
+    const glm::dvec3 by_u = glm::dvec3(beam.u_origin) + s * glm::dvec3(beam.u_direction);
+    const glm::dvec3 by_v = glm::dvec3(beam.v_origin) + s * glm::dvec3(beam.v_direction);
+    const double u = dot(by_u, d), v = dot(by_v, d);
+    const double sum = square(by_u) - u * u + square(by_v) - v * v;
+    return sum > 0 ? 2 * dot(cross(by_u, by_v), d) / sum : 0;
+}
+
+double widening(double ratio) {
+    constexpr double kLeast = CameraBeams::kThin / (CameraBeams::kWidest * CameraBeams::kWidest);
+    const double size = std::max(std::abs(ratio), kLeast);
+    return size < CameraBeams::kThin ? std::sqrt(CameraBeams::kThin / size) : 1;
+}
+
+/// The four edges of a beam are straight, but where it is widened.
 struct Edges {
     std::array<glm::dvec3, 4> origin, direction;
 
@@ -107,10 +128,17 @@ void CameraBeams::visit_voxels(const CameraBeam& beam, const Visit& visit) const
     const Edges edges(beam, half_);
     const double end = reach(beam);
     const double steps = std::ceil(end / voxel_);
+    double before = slenderness(beam, 0);
     for (double step = 0; step < steps; ++step) {
+        const double near = end * step / steps, far = end * (step + 1) / steps;
+        const double after = slenderness(beam, far);
+        const double wide =
+            before * after <= 0 ? kWidest : widening(std::min(std::abs(before), std::abs(after)));
+        before = after;
         glm::dvec3 low(std::numeric_limits<double>::infinity()), high(-low);
-        edges.bounds(end * step / steps, low, high);
-        edges.bounds(end * (step + 1) / steps, low, high);
+        const Edges around = wide > 1 ? Edges(beam, wide * half_) : edges;
+        around.bounds(near, low, high);
+        around.bounds(far, low, high);
         const glm::ivec3 from =
             glm::clamp(glm::ivec3((low - low_) / voxel_ - 1e-9), glm::ivec3(0), count_ - 1);
         const glm::ivec3 to =
@@ -140,12 +168,15 @@ bool CameraBeams::voxel(const glm::dvec3& position, std::size_t& index) const {
 bool CameraBeams::find(const CameraBeam& beam, const glm::dvec3& position, Place& place) const {
     const glm::dvec3 o(beam.origin), d(beam.direction), uo(beam.u_origin), ud(beam.u_direction),
         vo(beam.v_origin), vd(beam.v_direction);
-    place = {0, 0, dot(position - o, d), 0};
-    const auto square = [](const glm::dvec3& v) { return dot(v, v); };
+    place = {0, 0, dot(position - o, d), 0, 1};
     // Most beams around are far off: half as far again as a corner.
-    if (square(position - o - place.s * d) >
-        4.5 * (half_.x * half_.x * square(uo + place.s * ud) + half_.y * half_.y * square(vo + place.s * vd)))
-        return false;
+    const double away = square(position - o - place.s * d);
+    const double near =
+        4.5 * (half_.x * half_.x * square(uo + place.s * ud) + half_.y * half_.y * square(vo + place.s * vd));
+    if (away > kWidest * kWidest * near) return false;
+    place.widening = widening(slenderness(beam, place.s));
+    if (away > place.widening * place.widening * near) return false;
+    const glm::dvec2 limit = 2 * place.widening * half_;
     // Newton's method; P is linear in each of u, v and s.
     for (int step = 0; step < 4; ++step) {
         const glm::dvec3 by_u = uo + place.s * ud, by_v = vo + place.s * vd,
@@ -161,10 +192,12 @@ bool CameraBeams::find(const CameraBeam& beam, const glm::dvec3& position, Place
         place.v += dv;
         place.s += ds;
         place.jacobian = std::abs(determinant);
-        if (std::abs(place.u) > 2 * half_.x || std::abs(place.v) > 2 * half_.y) return false;
+        if (std::abs(place.u) > limit.x || std::abs(place.v) > limit.y) return false;
         if (std::abs(du) < 1e-6 * half_.x && std::abs(dv) < 1e-6 * half_.y) break;
     }
-    return std::abs(place.u) < half_.x && std::abs(place.v) < half_.y && place.s > 0 && place.s < reach(beam);
+    place.widening = widening(slenderness(beam, place.s));
+    const glm::dvec2 half = place.widening * half_;
+    return std::abs(place.u) < half.x && std::abs(place.v) < half.y && place.s > 0 && place.s < reach(beam);
 }
 
 void CameraBeams::add_events(const LightWay& way, MediaProbe& light_probe, MediaProbe& eye_probe,
@@ -212,8 +245,8 @@ void CameraBeams::add_events(const LightWay& way, MediaProbe& light_probe, Media
             } else {
                 transmittance = way.in_water ? media.through_water(along + distance) : glm::dvec3(1);
             }
-            event.radiance =
-                step / place.jacobian * way.power * scattering * transmittance * glm::dvec3(beam.factor);
+            event.radiance = step / (place.jacobian * place.widening * place.widening) * way.power *
+                             scattering * transmittance * glm::dvec3(beam.factor);
             event.segment = beam.segment;
             event.in_water = way.in_water;
             if (event.radiance != glm::dvec3(0)) events.push_back(event);

@@ -25,8 +25,9 @@ struct CameraBeam {
 /// The beams of a picture and a grid of voxels to find those around a place. Power W on a way of dt m through
 /// a beam adds W dt scattering p / |J| to the integral of S over (u, v), J = det(dP/du, dP/dv, dP/ds): what a
 /// pixel sees of a volume is exact to first order in the beam's width, so that the error falls with the
-/// square of it. (Where the camera's own paths cross, J passes through 0: variance grows there, and a place
-/// that a beam covers twice counts once.)
+/// square of it. Where the camera's own paths cross, J passes through 0 and variance would grow without
+/// bound: where beams are thinner than kThin of their breadth they are widened by up to kWidest, for the same
+/// sum. (A place that a beam covers twice counts once.)
 class CameraBeams {
 public:
     /// `half` is half the beams' width and height, pixels.
@@ -38,6 +39,8 @@ public:
     /// At most, beside the beams themselves.
     static constexpr double kMostBytes = (3 * kMostVoxels + kMostEntries) * sizeof(std::uint32_t);
 
+    static constexpr double kThin = 0.02, kWidest = 4;
+
     bool any() const { return !beams_.empty(); }
     void add_events(const LightWay& way, MediaProbe& light_probe, MediaProbe& eye_probe, RandomStream& random,
                     std::vector<ScatteringEvent>& events) const;
@@ -46,6 +49,7 @@ private:
     struct Place {
         double u, v, s;
         double jacobian;  ///< m^2 / pixel^2, absolute
+        double widening;  ///< of the beam in u and in v
     };
     bool find(const CameraBeam& beam, const glm::dvec3& position, Place& place) const;
     double reach(const CameraBeam& beam) const;
