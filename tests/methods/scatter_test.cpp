@@ -76,8 +76,7 @@ TEST(Scatter, PiecesCoverPointsAsOftenAsPathsMeetThem) {
     const scene::FrameScene scene = rough_pool();
     const SheetSet<float> set(scene, Event::transmission, 8);
     const auto& coverage = *set.sheets().front();
-    const media::Media media(scene);
-    const ScatterSheet<float> scatter(coverage, media);
+    const ScatterSheet<float> scatter(coverage);
     const BeamNeighbors neighbors(scene.water->rows, scene.water->columns, scene.water->mesh.triangles);
     const PointQuery<float> query(coverage, neighbors);
     std::mt19937 random(6);

@@ -21,6 +21,9 @@ public:
         kMixedBefore = 8,  ///< or among those from the light
     };
 
+    static constexpr double kBytesAVertex = sizeof(Real) + 2 * sizeof(std::uint32_t);
+    static constexpr double kBytesABeam = 1 + 2 * sizeof(Real);
+
     /// References need not outlive this.
     explicit BeamWays(const SheetCoverage<Real>& sheet);
 

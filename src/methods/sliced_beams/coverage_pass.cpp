@@ -323,7 +323,7 @@ void CoveragePass::State::record(std::size_t key, std::span<const Chunk> chunks,
 
     const SheetCoverage<float>& coverage = *sheets[key / kKinds];
     const Sheet& sheet = on_device[key / kKinds];
-    CoveragePush push{glm::vec3(coverage.sheet().color), glm::vec3(coverage.absorption()),
+    CoveragePush push{glm::vec3(coverage.sheet().color), glm::vec3(coverage.extinction()),
                       static_cast<std::uint32_t>(all.blocks)};
     if (flat) {
         const gpu::Buffer &frames = *b.frames, &landed = *b.landed;

@@ -65,7 +65,7 @@ private:
         const double landed_area =
             0.5 * glm::length(glm::cross(landed[1] - landed[0], landed[2] - landed[0]));
         path.irradiance =
-            beams.flux[hit.beam] / landed_area * beams.color * glm::exp(-path.way * sheet.absorption());
+            beams.flux[hit.beam] / landed_area * beams.color * glm::exp(-path.way * sheet.extinction());
         path.jacobian = area(at_point) / area(at_start);
         path.sign = hit.sign;
         path.near_fold = hit.near_fold;

@@ -36,7 +36,7 @@ public:
     template <class Visit>
     void visit(const SegmentLanes<Real>& segments, glm::vec<2, Real> shift, Visit&& visit) const;
 
-    static std::size_t bytes_a_cluster() { return sizeof(Node) * 4 / 3 * (kSlabs + 1); }
+    static double bytes_a_cluster() { return sizeof(Node) * 4.0 / 3 * (kSlabs + 1); }
 
 private:
     static constexpr int kSlabs = 4;

@@ -283,7 +283,7 @@ private:
 
     void add_piece(const L& enter, const L& leave, Mask<Real> mask) {
         if (uneven_) {
-            const bool dimmed = sheet_.columns_.dims(sheet_.coverage_.triangles()[beam_]);
+            const bool dimmed = sheet_.coverage_.columns().dims(sheet_.coverage_.triangles()[beam_]);
             const Mask<Real> uneven = dimmed ? mask : mask & uneven_->uneven;
             for (unsigned lanes = bits(uneven); lanes != 0; lanes &= lanes - 1)
                 add_uneven(enter, leave, __builtin_ctz(lanes));
@@ -442,8 +442,8 @@ private:
         const double depth = at(part_.depth) + t * at(part_.half_depth), stretch = glm::length(slope);
         const glm::uvec3& triangle = sheet_.coverage_.triangles()[beam_];
         glm::dvec3 dimmed(0);
-        if (sheet_.columns_.dims(triangle))
-            dimmed = sheet_.columns_.optical_depth(triangle, w, depth - start);
+        if (sheet_.coverage_.columns().dims(triangle))
+            dimmed = sheet_.coverage_.columns().optical_depth(triangle, w, depth - start);
         const double way = std::max(0.0, (depth - start) * stretch);
         for (int c = 0; c < 3; ++c) dimmed[c] += way * static_cast<double>(medium_.extinction[c]);
         const glm::dvec3 seen(at(segments_.to_a), at(segments_.to_b), at(segments_.to_depth));
@@ -486,11 +486,10 @@ private:
 };
 
 template <class Real>
-ScatterSheet<Real>::ScatterSheet(const SheetCoverage<Real>& sheet, const media::Media& media)
+ScatterSheet<Real>::ScatterSheet(const SheetCoverage<Real>& sheet)
     : coverage_(sheet),
       ways_(sheet),
-      bounds_(sheet.sheet(), sheet.pyramid(), sheet.triangles(), ways_.last_depths()),
-      columns_(media, sheet) {}
+      bounds_(sheet.sheet(), sheet.pyramid(), sheet.triangles(), ways_.last_depths()) {}
 
 template <class Real>
 LightDirection<Real> ScatterSheet<Real>::direction(glm::dvec2 disc) const {

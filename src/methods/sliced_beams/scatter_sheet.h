@@ -77,7 +77,7 @@ template <class Real>
 class ScatterSheet {
 public:
     /// All references outlive this.
-    ScatterSheet(const SheetCoverage<Real>& sheet, const media::Media& media);
+    explicit ScatterSheet(const SheetCoverage<Real>& sheet);
 
     /// Adds what reaches the segments' near ends, W/m^2/sr, of light of one direction, which stands for all
     /// of the sheet's. Thread-safe.
@@ -103,7 +103,6 @@ private:
     const SheetCoverage<Real>& coverage_;
     BeamWays<Real> ways_;
     ScatterBounds<Real> bounds_;
-    RayColumns<Real> columns_;
 };
 
 extern template class ScatterSheet<float>;

@@ -8,6 +8,7 @@
 #include "methods/sliced_beams/beam_pyramid.h"
 #include "methods/sliced_beams/landing.h"
 #include "methods/sliced_beams/occluders.h"
+#include "methods/sliced_beams/ray_columns.h"
 #include "rays/ray_scene.h"
 #include "scene/frame_scene.h"
 
@@ -42,7 +43,10 @@ public:
     const light::BeamSheet<Real>& sheet() const { return sheet_; }
     const BeamPyramid<Real>& pyramid() const { return *pyramid_; }
     std::span<const glm::uvec3> triangles() const { return scene_.water->mesh.triangles; }
-    glm::dvec3 absorption() const { return absorption_; }
+    /// /m, of the water, which is everywhere the same; 0 in the air.
+    glm::dvec3 extinction() const { return extinction_; }
+    /// Of the bounded media.
+    const RayColumns<Real>& columns() const { return columns_; }
     const scene::FrameScene& scene() const { return scene_; }
     const rays::RayScene& rays() const { return rays_; }
     const Occluders& occluders() const { return occluders_; }
@@ -91,7 +95,8 @@ private:
     std::unique_ptr<BeamPyramid<Real>> pyramid_;
     Occluders occluders_;
     Real steepest_a_ = 0, steepest_b_ = 0;  ///< largest slopes
-    glm::dvec3 absorption_{0, 0, 0};        ///< /m, a channel; 0 in the air
+    glm::dvec3 extinction_{0, 0, 0};
+    RayColumns<Real> columns_;
 };
 
 extern template class SheetCoverage<float>;

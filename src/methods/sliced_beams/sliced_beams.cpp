@@ -106,10 +106,17 @@ std::size_t SlicedBeams::bytes(const scene::FrameState& state, std::size_t) cons
     if (!state.water || state.water->surface.type == scene::WaterSurfaceType::mesh_sequence) return 0;
     const ocean::GridSize grid = ocean::grid_size(*state.water);
     using Pyramid = BeamPyramid<float>;
-    const double vertex = sizeof(light::BeamSheet<float>::Ray) + sizeof(float) + 1;
+    double vertex = sizeof(light::BeamSheet<float>::Ray) + sizeof(float) + 1;
     // Pyramids: bounds at two depths and sums a cluster of beams, and a third of that again above it.
     const double cluster = 4.0 / 3 * (2 * sizeof(sliced_beams::Box<float>) + sizeof(Pyramid::Sums));
-    const double beam = sizeof(float) + cluster / sliced_beams::kClusterBeams;
+    double beam = sizeof(float) + cluster / sliced_beams::kClusterBeams;
+    if (!state.media.empty()) vertex += sliced_beams::RayColumns<float>::bytes_a_ray(state.media.size());
+    if (!state.media.empty() || state.water->scattering != glm::dvec3(0)) {
+        using sliced_beams::BeamWays, sliced_beams::ScatterBounds;
+        vertex += BeamWays<float>::kBytesAVertex;
+        beam += BeamWays<float>::kBytesABeam +
+                ScatterBounds<float>::bytes_a_cluster() / double{sliced_beams::kClusterBeams};
+    }
     double sheets = 0;
     for (const scene::Light& light : state.lights) {
         const bool disc = light.type == scene::LightType::sun && light.angular_diameter > 0;

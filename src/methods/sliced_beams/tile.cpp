@@ -85,7 +85,8 @@ bool Tile<Real>::find() {
         const Vec3<Real>& n = local.receiver.normal;
         return std::abs(n.x) * sheet_.steepest_a_ + std::abs(n.y) * sheet_.steepest_b_ < Real(-0.99) * n.z;
     });
-    whole_allowed_ = facing;
+    // Bounded media dim beams each by its own way.
+    whole_allowed_ = facing && sheet_.columns().empty();
     find_nodes(false);
     if (clusters_.empty() && nodes_.empty()) return false;
     if (!test_free()) {

@@ -19,9 +19,12 @@ struct Shade {
 template <class Real>
 struct LitCluster {
     LandedChunk<Real> landed[kChunks<Real>];
-    Lanes<Real> red[kChunks<Real>], green[kChunks<Real>], blue[kChunks<Real>];  ///< W, after absorption
+    Lanes<Real> red[kChunks<Real>], green[kChunks<Real>],
+        blue[kChunks<Real>];  ///< W, after the water's extinction
     std::array<std::uint32_t, kClusterBeams> beam;
     Shade shade;  ///< where an object may stand in the beams' light: each is tested
+    bool dimmed =
+        false;  ///< bounded media may lie on some of the beams' ways: by where each meets a receiver
     bool cut_by_surface =
         false;  ///< a beam leaves the water beyond the receivers' plane with some of its rays
 };
@@ -41,7 +44,9 @@ public:
     /// Adds the light of what has been found.
     void cover();
     /// Whether what has been found is clusters only, without anything in the way of their light.
-    bool plain() const { return nodes_.empty() && below_surface_ && free_after_ && free_before_; }
+    bool plain() const {
+        return sheet_.columns().empty() && nodes_.empty() && below_surface_ && free_after_ && free_before_;
+    }
 
 private:
     friend class CoverageWorkBuilder;

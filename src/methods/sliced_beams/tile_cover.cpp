@@ -31,6 +31,9 @@ void Tile<Real>::land_cluster(NodeId node, const LandingFrame<Real>& frame, LitC
     ClusterRays<Real> rays;
     load(sheet_.sheet_, sheet_.triangles(), pyramid_.beams(node), rays);
     lit.beam = rays.beam;
+    lit.dimmed = std::any_of(rays.beam.begin(), rays.beam.end(), [&](std::uint32_t beam) {
+        return beam != kNoBeam && sheet_.columns().dims(sheet_.triangles()[beam]);
+    });
     lit.cut_by_surface = false;
     for (int c = 0; c < kChunks<Real>; ++c) {
         LandedChunk<Real>& landed = lit.landed[c];
@@ -45,10 +48,10 @@ void Tile<Real>::land_cluster(NodeId node, const LandingFrame<Real>& frame, LitC
             lit.cut_by_surface |= any(wet & ~whole & landed.lands);
         }
         const Lanes<Real> way = greater(landed.way, Lanes<Real>{});
-        const glm::vec<3, Real> color(sheet_.sheet_.color), absorption(sheet_.absorption_);
+        const glm::vec<3, Real> color(sheet_.sheet_.color), extinction(sheet_.extinction_);
         const auto colored = [&](int channel) {
             const Lanes<Real> lossless = color[channel] * flux;
-            return absorption[channel] > 0 ? lossless * decay(absorption[channel] * way) : lossless;
+            return extinction[channel] > 0 ? lossless * decay(extinction[channel] * way) : lossless;
         };
         lit.red[c] = colored(0);
         lit.green[c] = colored(1);
@@ -160,7 +163,7 @@ void Tile<Real>::add_cluster(const Local& local, const LitCluster<Real>& lit, La
         if (!any(met)) continue;
         Lanes<Real> share = covered_share(beams);
         share = met ? share : Lanes<Real>{};
-        if (lit.cut_by_surface || lit.shade.any()) {
+        if (lit.cut_by_surface || lit.shade.any() || lit.dimmed) {
             unsigned lanes = bits(share > 0);
             for (; lanes != 0; lanes &= lanes - 1) {
                 const int lane = __builtin_ctz(lanes);
@@ -187,19 +190,27 @@ void Tile<Real>::add_pair(const Local& local, const LitCluster<Real>& lit, int c
     // Without a surface in its way the share by edges is the better one.
     const bool whole = past[0] >= 0 && past[1] >= 0 && past[2] >= 0;
     const Real scale = local.inverse_area * (whole ? share : std::min(share, part.share));
-    const Vec3<Real> irradiance =
+    Vec3<Real> irradiance =
         scale * Vec3<Real>(lit.red[chunk][lane], lit.green[chunk][lane], lit.blue[chunk][lane]);
     if (!(irradiance.x + irradiance.y + irradiance.z > 0)) return;
-    if (!lit.shade.any()) {
-        irradiance_[local.index] += irradiance;
-        return;
-    }
     const Receiver<Real>& r = local.receiver;
     Vec3<Real> water(0), landed = r.position;
     const glm::uvec3& triangle = sheet_.triangles()[lit.beam[static_cast<std::size_t>(chunk) * kLanes<Real> +
                                                              static_cast<std::size_t>(lane)]];
     // A beam landed on a line: its middle.
     const bool empty = part.weights[0] + part.weights[1] + part.weights[2] == 0;
+    if (lit.dimmed && sheet_.columns().dims(triangle)) {
+        const glm::dvec3 weights =
+            empty ? glm::dvec3(1.0 / 3) : glm::dvec3(part.weights[0], part.weights[1], part.weights[2]);
+        double below = 0;  // m along the axis
+        for (int k = 0; k < 3; ++k)
+            below += weights[k] * static_cast<double>(lit.landed[chunk].past_start[k][lane]);
+        irradiance *= Vec3<Real>(glm::exp(-sheet_.columns().optical_depth(triangle, weights, below)));
+    }
+    if (!lit.shade.any()) {
+        irradiance_[local.index] += irradiance;
+        return;
+    }
     Real px = 0, py = 0;
     for (int k = 0; k < 3; ++k) {
         const Real weight = empty ? Real(1) / 3 : part.weights[k];
@@ -311,8 +322,8 @@ Vec3<Real> Tile<Real>::whole(const Local& local, NodeId node) {
     const Vec3<Real> slope(inverse * sums.flux_slope_a, inverse * sums.flux_slope_b, 1);
     const Real lands = glm::dot(r.normal, r.position - passes) / glm::dot(r.normal, slope);
     const Real way = (lands - inverse * sums.flux_start) * (inverse * sums.flux_stretch);
-    const Vec3<Real> color(sheet_.sheet_.color), absorption(sheet_.absorption_);
-    return sums.flux * color * glm::exp(-std::max(Real(0), way) * absorption);
+    const Vec3<Real> color(sheet_.sheet_.color), extinction(sheet_.extinction_);
+    return sums.flux * color * glm::exp(-std::max(Real(0), way) * extinction);
 }
 
 template void Tile<float>::cover();

@@ -1,11 +1,9 @@
 #pragma once
 #include <cstddef>
-#include <cstdint>
 #include <span>
 #include <vector>
 
 #include "media/media.h"
-#include "methods/sliced_beams/sheet_coverage.h"
 
 namespace dapple::methods::sliced_beams {
 
@@ -34,38 +32,5 @@ private:
     std::vector<double> place_;
     std::vector<Curve> curve_;  ///< [piece * components + component]; of the last place only the value
 };
-
-/// Columns of the bounded media along the rays of a sheet after the water, made once a frame for the rays
-/// that may meet one: so many points a ray, interpolated linearly.
-template <class Real>
-class RayColumns {
-public:
-    RayColumns(const media::Media& media, const SheetCoverage<Real>& sheet);
-
-    bool empty() const { return first_.empty(); }
-    /// Whether a beam's rays are dimmed by more than the water.
-    bool dims(const glm::uvec3& vertices) const {
-        return !empty() &&
-               (first_[vertices.x] != kNone || first_[vertices.y] != kNone || first_[vertices.z] != kNone);
-    }
-    /// Optical depth of the bounded media, a channel, along a mean of three rays, down to a depth along the
-    /// axis from where each leaves the water.
-    glm::dvec3 optical_depth(const glm::uvec3& vertices, const glm::dvec3& weights, double depth) const;
-    std::size_t bytes() const {
-        return first_.size() * sizeof(std::uint32_t) + columns_.size() * sizeof(float);
-    }
-
-private:
-    static constexpr std::uint32_t kNone = 0xffffffffu;
-    static constexpr std::size_t kPoints = 48;
-
-    std::size_t media_ = 0;               ///< bounded ones
-    std::vector<glm::dvec3> extinction_;  ///< /m, of each where its density is 1
-    std::vector<std::uint32_t> first_;    ///< a vertex: where its entry begins, or kNone
-    std::vector<float> columns_;  ///< an entry: first depth from there, step, kPoints columns of each medium
-};
-
-extern template class RayColumns<float>;
-extern template class RayColumns<double>;
 
 }  // namespace dapple::methods::sliced_beams

@@ -13,7 +13,7 @@ VolumeLight::VolumeLight(const scene::FrameScene& scene, Sheets sheets, FrameSta
     even_[0] = EvenMedium<float>({0, 0, 0}, {0, 0, 0}, phases_[0]);
     even_[1] = EvenMedium<float>(components[0].extinction, components[0].scattering, phases_[0]);
     for (const auto& sheet : sheets) {
-        sheets_.push_back(std::make_unique<ScatterSheet<float>>(*sheet, media_));
+        sheets_.push_back(std::make_unique<ScatterSheet<float>>(*sheet));
         if (!sheets_.back()->ways().empty()) sheets_.back()->ways().report(stats);
     }
 }
