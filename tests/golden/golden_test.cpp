@@ -33,14 +33,13 @@ void PrintTo(const Golden& golden, std::ostream* stream) {
 }
 
 class GoldenFrame : public testing::TestWithParam<Golden> {};
-INSTANTIATE_TEST_SUITE_P(Demos, GoldenFrame,
-                         testing::Values(Golden{"pool", "pool.yaml", 20},
-                                         Golden{"poolside", "poolside.yaml", 20},
-                                         Golden{"deep", "deep.yaml", 20}, Golden{"seabed", "seabed.yaml", 10},
-                                         Golden{"bridge", "bridge.yaml", 5},
-                                         Golden{"blender_ocean", "blender_ocean.yaml", 3},
-                                         Golden{"godrays", "godrays.yaml", 20}),
-                         [](const auto& golden) { return golden.param.name; });
+INSTANTIATE_TEST_SUITE_P(
+    Demos, GoldenFrame,
+    testing::Values(Golden{"pool", "pool.yaml", 20}, Golden{"poolside", "poolside.yaml", 20},
+                    Golden{"deep", "deep.yaml", 20}, Golden{"seabed", "seabed.yaml", 10},
+                    Golden{"bridge", "bridge.yaml", 5}, Golden{"blender_ocean", "blender_ocean.yaml", 3},
+                    Golden{"godrays", "godrays.yaml", 20}, Golden{"smoke", "smoke.yaml", 18}),
+    [](const auto& golden) { return golden.param.name; });
 
 image::Image render_small(const Golden& golden) {
     std::vector<std::string> settings{"clip.resolution=[128, 72]", "clip.samples=2", "water.mesh_cells=200"};
