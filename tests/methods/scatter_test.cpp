@@ -42,11 +42,12 @@ struct Scattered {
     ScatterCounts counts;
 };
 
-Scattered scattered(const scene::FrameScene& scene, const SheetSet<float>& set,
-                    const std::vector<Ends>& ends) {
+Scattered scattered(const scene::FrameScene& scene, const SheetSet<float>& set, const std::vector<Ends>& ends,
+                    int sample = 0) {
     view::SegmentLayer layer;
     layer.width = static_cast<int>(ends.size());
     layer.height = 1;
+    layer.sample = sample;
     for (const auto& [from, to] : ends) {
         layer.first.push_back(static_cast<std::uint32_t>(layer.origin.size()));
         layer.origin.emplace_back(from);
@@ -282,14 +283,57 @@ TEST(Scatter, HardCasesStayFinite) {
         return result;
     };
     const Scattered clear = check({0.1, 0.1, 0.1}, {0, 0, 0});
-    printf("lens: %zu intervals, %zu peak, %zu foci, %g dropped\n", clear.counts.intervals,
+    printf("lens: %zu intervals, %zu peak, %zu foci, %zu dropped\n", clear.counts.intervals,
            clear.counts.peaks, clear.counts.foci, clear.counts.dropped);
     EXPECT_GT(clear.counts.peaks, 100u);
-    EXPECT_EQ(clear.counts.dropped, 0);
+    EXPECT_EQ(clear.counts.dropped, 0u);
     for (const glm::dvec3& value : check({0, 0, 0}, {0.3, 0.2, 0.1}).values) EXPECT_EQ(value, glm::dvec3(0));
     const Scattered dense = check({1e4, 1e4, 1e4}, {1e3, 2e3, 1e2});
     // The water's own light scatters where it enters: hardly any is left to be seen from 2 cm below.
     EXPECT_GT(dense.counts.intervals, 0u);
+}
+
+TEST(Scatter, DirectionsOfTheSunsDiscConverge) {
+    scene::FrameScene scene = rough_pool();
+    scene.state.lights[0].angular_diameter = 0.53 * scene::kDegree;
+    scene.state.clip.samples = 4;
+    const SheetSet<float> set(scene, Event::transmission, 8);
+    std::vector<Ends> ends;  // short: what is averaged along a line hides the disc
+    for (int i = 0; i < 512; ++i) {
+        const glm::dvec3 from(0.004 * i - 1, -3.2, 0.1);
+        ends.push_back({from, from + glm::dvec3(0, 0, 0.05)});
+    }
+    const auto with = [&](int directions, int sample) {
+        scene.state.caustics.sliced_beams.volume_sun_samples = directions;
+        return scattered(scene, set, ends, sample).values;
+    };
+    const std::vector<glm::dvec3> fine = with(256, 0);
+    const auto difference = [&](const std::vector<glm::dvec3>& values) {
+        double sum = 0, light = 0;
+        for (std::size_t i = 0; i < values.size(); ++i) {
+            sum += std::abs(values[i].y - fine[i].y);
+            light += fine[i].y;
+        }
+        return sum / light;
+    };
+    double errors[4];
+    int n = 0;
+    for (const int directions : {1, 4, 16, 64}) errors[n++] = difference(with(directions, 0));
+    std::vector<glm::dvec3> pixel(ends.size(), glm::dvec3(0));
+    for (int sample = 0; sample < 4; ++sample) {
+        const std::vector<glm::dvec3> part = with(4, sample);
+        for (std::size_t i = 0; i < pixel.size(); ++i) pixel[i] += part[i] / 4.0;
+    }
+    const double together = difference(pixel);
+    printf(
+        "disc: L1 error with 1, 4, 16, 64 directions: %.1f, %.1f, %.1f, %.1f %%; four samples of 4: %.1f "
+        "%%\n",
+        100 * errors[0], 100 * errors[1], 100 * errors[2], 100 * errors[3], 100 * together);
+    EXPECT_LT(errors[1], errors[0]);
+    EXPECT_LT(errors[2], 0.7 * errors[1]);
+    EXPECT_LT(errors[3], 0.7 * errors[2]);
+    // The samples' directions are as good as so many of one set, or nearly.
+    EXPECT_LT(together, 1.5 * errors[2]);
 }
 
 }  // namespace

@@ -26,7 +26,15 @@ PhaseTable<Real>::PhaseTable(const media::Media& media, std::size_t component) :
 template <class Real>
 Lanes<Real> PhaseTable<Real>::operator()(Lanes<Real> sine) const {
     if (even_) return splat(values_[0]);
-    const Lanes<Real> place = Real(kCells) * square_root<Real>(lesser(sine, splat(Real(1))));
+    const Lanes<Real> place =
+        Real(kCells) * square_root<Real>(lesser(greater(sine, Lanes<Real>{}), splat(Real(1))));
+    if constexpr (sizeof(Real) == 4) {
+        const __m256i cell = _mm256_cvttps_epi32(reinterpret_cast<__m256>(place));
+        const auto low = reinterpret_cast<Lanes<Real>>(_mm256_i32gather_ps(values_.data(), cell, 4));
+        const auto high = reinterpret_cast<Lanes<Real>>(_mm256_i32gather_ps(values_.data() + 1, cell, 4));
+        const auto whole = reinterpret_cast<Lanes<Real>>(_mm256_cvtepi32_ps(cell));
+        return low + (place - whole) * (high - low);
+    }
     Lanes<Real> result;
     for (int lane = 0; lane < kLanes<Real>; ++lane) result[lane] = between(place[lane]);
     return result;

@@ -14,6 +14,8 @@ namespace {
 /// in float, 4e-10 in double.
 template <class Real>
 constexpr Real kThinEnough = sizeof(Real) == 4 ? Real(1) : Real(0.35);
+/// Where two nodes are as good: change of the area on the interval, relative, and optical depth.
+constexpr double kTwoNodesEven = 0.1, kTwoNodesThin = 0.25;
 /// Light beyond so many optical depths, e^-60 of it, is left out.
 constexpr double kOpaque = 60;
 /// Parts of an interval that are asked one by one whether an object hides them from the light.
@@ -41,7 +43,7 @@ void ScatterCounts::report(FrameStats& stats) const {
     stats.count("intervals cut", static_cast<double>(cut));
     stats.count("volume shadow rays", static_cast<double>(shadow_rays));
     if (foci > 0) stats.count("intervals through foci", static_cast<double>(foci));
-    if (dropped > 0) stats.count("lost to scattering not finite, W/m^2/sr", dropped);
+    if (dropped > 0) stats.count("intervals not finite", static_cast<double>(dropped));
 }
 
 /// One query of a ScatterSheet.
@@ -290,6 +292,8 @@ private:
             mask &= ~uneven;
             if (!any(mask)) return;
         }
+        if constexpr (sizeof(Real) == 4)
+            if (add_even(enter, leave, mask)) return;
         // Optical depth may be too much for one rule.
         const L from = node(enter).path, to = node(leave).path;
         const L change = mask ? magnitude(to - from) * medium_.most : L{};
@@ -353,17 +357,41 @@ private:
         weigh(middle, half, mask, weight);
         Node nodes[3];
         for (int j = 0; j < 3; ++j) nodes[j] = node(multiply_add(half, splat(Real(kNodes[j])), middle));
+        sum_up(nodes, weight, half, mask);
+    }
+
+    /// Most intervals are so short that hardly anything changes along them: there two nodes do. False: on
+    /// this one they do not.
+    bool add_even(const L& enter, const L& leave, const Mask<Real>& mask) {
+        const L middle = Real(0.5) * (enter + leave), half = Real(0.5) * (leave - enter);
+        const L q0 = slices_.area(middle);
+        const L q1 = half * multiply_add(Real(2) * slices_.area.c2, middle, slices_.area.c1);
+        const L q2 = half * half * slices_.area.c2;
+        if (any(mask & ~(magnitude(q1) + Real(10) * magnitude(q2) <= Real(kTwoNodesEven) * magnitude(q0))))
+            return false;
+        constexpr Real u = Real(0.5773502691896258);  // Gauss & Legendre's rule, exact for degree three
+        const Node nodes[2] = {node(middle - u * half), node(middle + u * half)};
+        const L change = magnitude(nodes[1].path - nodes[0].path) * (medium_.most / u);
+        if (any(mask & ~(change <= Real(kTwoNodesThin)))) return false;
+        const L even = multiply_add(q2, splat(u * u), q0);
+        L weight[2] = {Real(1) / magnitude(even - u * q1), Real(1) / magnitude(even + u * q1)};
+        sum_up(nodes, weight, half, mask);
+        return true;
+    }
+
+    template <int kCount>
+    void sum_up(const Node (&nodes)[kCount], L (&weight)[kCount], const L& half, const Mask<Real>& mask) {
         const L scale = half * half_ * flux_;
-        for (int j = 0; j < 3; ++j) weight[j] *= scale * nodes[j].stretch * (*medium_.phase)(nodes[j].sine);
+        for (int j = 0; j < kCount; ++j)
+            weight[j] *= scale * nodes[j].stretch * (*medium_.phase)(nodes[j].sine);
         for (int channel = 0; channel < 3; ++channel) {
             const Real extinction = medium_.extinction[channel];
-            L sum = weight[1] * decay(greater(extinction * nodes[1].path, L{}));
-            sum += weight[0] * decay(greater(extinction * nodes[0].path, L{}));
-            sum += weight[2] * decay(greater(extinction * nodes[2].path, L{}));
+            L sum{};
+            for (int j = 0; j < kCount; ++j)
+                sum += weight[j] * decay(greater(extinction * nodes[j].path, L{}));
             sum *= medium_.scattering[channel] * color_[channel];
             const auto finite = (sum - sum) == 0;
-            const Mask<Real> lost = mask & ~finite;
-            if (any(lost)) counts_.dropped += 1;
+            counts_.dropped += static_cast<std::size_t>(__builtin_popcount(bits(mask & ~finite)));
             (*target_)[channel] += mask & finite ? sum : L{};
         }
     }
@@ -503,6 +531,25 @@ LightDirection<Real> ScatterSheet<Real>::direction(glm::dvec2 disc) const {
         travel + coverage_.disc_radius() * (disc.x * glm::cross(across, travel) + disc.y * across);
     return {glm::vec<2, Real>(disc.x * sheet.disc_u + disc.y * sheet.disc_v),
             glm::vec3(-glm::normalize(moved))};
+}
+
+template <class Real>
+glm::dvec3 ScatterSheet<Real>::collapsed() const {
+    const light::BeamSheet<Real>& sheet = coverage_.sheet();
+    double flux = 0;
+    for (std::size_t i = 0; i < sheet.flux.size(); ++i) {
+        if (!(sheet.flux[i] > 0)) continue;
+        const glm::uvec3& t = coverage_.triangles()[i];
+        const auto &p = sheet.rays[t.x], &q = sheet.rays[t.y], &r = sheet.rays[t.z];
+        const glm::vec<2, Real> e0(q.a - p.a, q.b - p.b), e1(q.slope_a - p.slope_a, q.slope_b - p.slope_b);
+        const glm::vec<2, Real> f0(r.a - p.a, r.b - p.b), f1(r.slope_a - p.slope_a, r.slope_b - p.slope_b);
+        const auto cross = [](const glm::vec<2, Real>& x, const glm::vec<2, Real>& y) {
+            return x.x * y.y - y.x * x.y;
+        };
+        if (cross(e0, f0) == 0 && cross(e1, f0) + cross(e0, f1) == 0 && cross(e1, f1) == 0)
+            flux += static_cast<double>(sheet.flux[i]);
+    }
+    return flux * sheet.color;
 }
 
 template <class Real>

@@ -22,8 +22,8 @@ struct ScatterCounts {
     std::size_t peaks = 0;      ///< of them: where the beam narrows so much that exact moments are needed
     std::size_t cut = 0;        ///< of them: by the water's surface or where an object stops the beam
     std::size_t shadow_rays = 0;
-    std::size_t foci = 0;  ///< of them: whose area is lost in rounding within, by mere point values
-    double dropped = 0;    ///< W/m^2/sr, summed over segments: not finite
+    std::size_t foci = 0;     ///< of them: whose area is lost in rounding within, by mere point values
+    std::size_t dropped = 0;  ///< channels of them that are not finite: left out
 
     void add(const ScatterCounts& other);
     void report(FrameStats& stats) const;
@@ -88,6 +88,8 @@ public:
 
     /// That of a point of the unit disc.
     LightDirection<Real> direction(glm::dvec2 disc) const;
+    /// W a channel of beams that are flat at all depths: no segment meets them.
+    glm::dvec3 collapsed() const;
     /// In the sheet's axes.
     SegmentLanes<Real> in_sheet(const SegmentGroup<Real>& group) const;
     const SheetCoverage<Real>& coverage() const { return coverage_; }

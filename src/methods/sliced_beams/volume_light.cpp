@@ -15,6 +15,9 @@ VolumeLight::VolumeLight(const scene::FrameScene& scene, Sheets sheets, FrameSta
     for (const auto& sheet : sheets) {
         sheets_.push_back(std::make_unique<ScatterSheet<float>>(*sheet));
         if (!sheets_.back()->ways().empty()) sheets_.back()->ways().report(stats);
+        const glm::dvec3 collapsed = sheets_.back()->collapsed();
+        if (collapsed != glm::dvec3(0))
+            stats.count("lost to flat beams, W", (collapsed.x + collapsed.y + collapsed.z) / 3);
     }
 }
 

@@ -128,6 +128,7 @@ void edges_alone(benchmark::State& bench) {
         for (const auto& beam : beams) {
             SegmentParts<float> part{};
             part.a = splat(beam[0].a + 0.01f);
+            part.b = splat(0.015f);
             part.half_a = splat(0.02f);
             part.depth = splat(0.5f) + Lanes<float>{0, 1e-3f, 2e-3f, 3e-3f, 4e-3f, 5e-3f, 6e-3f, 7e-3f};
             part.half_depth = splat(0.002f);
