@@ -114,10 +114,10 @@ void LightTracer::meet_water(const LitBy& by, const Incoming& incoming, std::vec
         add(incoming.power, water.refractive_index);
         return;
     }
-    for (int channel = 0; channel < 3; ++channel) {
+    for (std::uint8_t channel = 0; channel < 3; ++channel) {
         glm::dvec3 power(0);
         power[channel] = incoming.power[channel];
-        ray.random = branched(incoming.random, static_cast<std::uint64_t>(2 + channel));
+        ray.random = branched(incoming.random, 2 + std::uint64_t{channel});
         add(power, water.refractive_index + 0.5 * (channel - 1) * water.dispersion);
     }
 }

@@ -14,10 +14,11 @@ constexpr double kEven = 0.1;
 
 StrataLayout::StrataLayout(double aspect, std::size_t strata) : aspect_(aspect) {
     if (aspect > 0) {
-        columns_ = static_cast<int>(std::clamp(std::round(std::sqrt(kTiles * aspect)), 1.0, 1.0 * kTiles));
+        columns_ = static_cast<std::size_t>(
+            std::clamp(std::round(std::sqrt(kTiles * aspect)), 1.0, static_cast<double>(kTiles)));
         rows_ = kTiles / columns_;
     }
-    const auto tiles = static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_);
+    const std::size_t tiles = columns_ * rows_;
     for (std::size_t i = 0; i < tiles; ++i) add(static_cast<double>(strata) / static_cast<double>(tiles));
 }
 
@@ -32,7 +33,8 @@ StrataLayout::StrataLayout(const StrataLayout& tiles, const std::vector<double>&
 }
 
 void StrataLayout::add(double strata) {
-    const double wide = aspect_ > 0 ? aspect_ * rows_ / columns_ : 1;
+    const double wide =
+        aspect_ > 0 ? aspect_ * static_cast<double>(rows_) / static_cast<double>(columns_) : 1;
     const double most = std::max(1.0, std::round(strata));
     const double across = aspect_ > 0 ? std::clamp(std::round(std::sqrt(most * wide)), 1.0, most) : most;
     across_.push_back(static_cast<std::uint32_t>(across));
@@ -47,21 +49,23 @@ std::size_t StrataLayout::tile(std::size_t stratum) const {
 
 StrataLayout::Cell StrataLayout::cell(std::size_t stratum) const {
     const std::size_t at = tile(stratum), within = stratum - first_[at];
-    const auto columns = static_cast<std::size_t>(columns_);
-    const double width = 1.0 / columns_ / across_[at], height = 1.0 / rows_ / down_[at];
-    return {static_cast<double>(at % columns) / columns_ + width * static_cast<double>(within % across_[at]),
-            static_cast<double>(at / columns) / rows_ + height * static_cast<double>(within / across_[at]),
-            width, height};
+    const std::size_t column = at % columns_, row = at / columns_;
+    const std::size_t x = within % across_[at], y = within / across_[at];
+    const double tile_width = 1 / static_cast<double>(columns_), tile_height = 1 / static_cast<double>(rows_);
+    const double width = tile_width / across_[at], height = tile_height / down_[at];
+    return {tile_width * static_cast<double>(column) + width * static_cast<double>(x),
+            tile_height * static_cast<double>(row) + height * static_cast<double>(y), width, height};
 }
 
 std::vector<double> StrataLayout::widened(const std::vector<double>& values) const {
     std::vector<double> result(values.size(), 0);
-    for (int row = 0; row < rows_; ++row) {
-        for (int column = 0; column < columns_; ++column) {
-            double& largest = result[static_cast<std::size_t>(row * columns_ + column)];
-            for (int y = std::max(0, row - 1); y <= std::min(rows_ - 1, row + 1); ++y)
-                for (int x = std::max(0, column - 1); x <= std::min(columns_ - 1, column + 1); ++x)
-                    largest = std::max(largest, values[static_cast<std::size_t>(y * columns_ + x)]);
+    for (std::size_t row = 0; row < rows_; ++row) {
+        for (std::size_t column = 0; column < columns_; ++column) {
+            double& largest = result[row * columns_ + column];
+            for (std::size_t y = row - std::min<std::size_t>(row, 1); y < std::min(rows_, row + 2); ++y)
+                for (std::size_t x = column - std::min<std::size_t>(column, 1);
+                     x < std::min(columns_, column + 2); ++x)
+                    largest = std::max(largest, values[y * columns_ + x]);
         }
     }
     return result;

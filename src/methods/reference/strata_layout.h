@@ -11,7 +11,7 @@ namespace dapple::reference {
 /// bias; the weights only tell where errors come from.
 class StrataLayout {
 public:
-    static constexpr int kTiles = 1024;
+    static constexpr std::size_t kTiles = 1024;
 
     /// `aspect`: width of the rectangle over its height; 0: one row. All tiles have as many strata.
     StrataLayout(double aspect, std::size_t strata);
@@ -34,7 +34,7 @@ private:
     void add(double strata);
 
     double aspect_;
-    int columns_ = kTiles, rows_ = 1;
+    std::size_t columns_ = kTiles, rows_ = 1;
     std::vector<std::uint32_t> across_, down_;  ///< strata of a tile
     std::vector<std::size_t> first_{0};         ///< of a tile, and one more
 };
