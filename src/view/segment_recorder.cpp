@@ -16,7 +16,8 @@ double sight(const glm::dvec3& extinction, glm::bvec3 counts) {
     for (int channel = 0; channel < 3; ++channel) {
         if (!counts[channel]) continue;
         const double sigma = extinction[channel];
-        farthest = std::max(farthest, sigma > 0 ? -std::log(kLeastTransmittance) / sigma : kInfinity);
+        if (sigma == 0) return kInfinity;
+        farthest = std::max(farthest, -std::log(kLeastTransmittance) / sigma);
     }
     return farthest;
 }
