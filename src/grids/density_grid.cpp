@@ -6,10 +6,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <new>
 #include <span>
 #include <string>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 #include "base/error.h"
 #include "grids/grid_buffer.h"
@@ -67,6 +69,13 @@ public:
     glm::ivec3 high{std::numeric_limits<int>::min()};
     float maximum = 0;
     std::size_t active_voxels = 0;
+    /// Aligned cubes of at least a block with a voxel that is active; where there are more than can be noted,
+    /// some.
+    struct Cube {
+        glm::ivec3 low;
+        int size;
+    };
+    std::vector<Cube> cubes;
 
     Survey(const std::byte* data, std::size_t size) : begin_(data), size_(size) {
         if (size < sizeof(Grid) + sizeof(Root)) fail("its voxels end too early");
@@ -147,10 +156,16 @@ private:
     }
 
     void visit(const Leaf& leaf, const glm::ivec3& origin) {
+        if (!leaf.data()->mValueMask.isOff()) keep({origin, kBlock});
         for (std::uint32_t n = 0; n < Leaf::SIZE; ++n) {
             add(origin + vector(Leaf::OffsetToLocalCoord(n)), 1, leaf.data()->mValueMask.isOn(n),
                 leaf.data()->mValues[n]);
         }
+    }
+
+    /// A damaged tree may lead to the same nodes again and again.
+    void keep(const Cube& cube) {
+        if (cubes.size() <= DensityGrid::kMostBlocks) cubes.push_back(cube);
     }
 
     /// A cube of voxels of one value.
@@ -158,6 +173,7 @@ private:
         if (!is_density(value)) fail("density is no finite, positive number at " + place(at));
         if (!active && value != 0) fail("density outside of its voxels is not 0");
         if (!active) return;
+        if (size >= kBlock) keep({at, size});
         low = glm::min(low, at);
         high = glm::max(high, at + (size - 1));
         maximum = std::max(maximum, value);
@@ -173,9 +189,36 @@ private:
     std::span<const Upper> uppers_;
 };
 
+/// None where there would be too many.
+CellBlocks blocks_of(const Survey& survey, std::size_t most_blocks) {
+    CellBlocks blocks;
+    blocks.first = (survey.low - 1) >> 3;
+    blocks.count = (survey.high >> 3) - blocks.first + 1;
+    const double many = static_cast<double>(blocks.count.x) * static_cast<double>(blocks.count.y) *
+                        static_cast<double>(blocks.count.z);
+    if (many > static_cast<double>(most_blocks) || survey.cubes.size() > most_blocks) return blocks;
+    blocks.occupied.assign(static_cast<std::size_t>(many) / 64 + 1, 0);
+    for (const Survey::Cube& cube : survey.cubes) {
+        // The last cells of the blocks before reach into the cube.
+        const glm::ivec3 low = glm::max((cube.low >> 3) - 1, blocks.first);
+        const glm::ivec3 high = (cube.low + (cube.size - 1)) >> 3;
+        for (int z = low.z; z <= high.z; ++z) {
+            for (int y = low.y; y <= high.y; ++y) {
+                for (int x = low.x; x <= high.x; ++x) {
+                    const std::size_t i = blocks.index({x, y, z});
+                    blocks.occupied[i / 64] |= std::uint64_t{1} << (i % 64);
+                }
+            }
+        }
+    }
+    return blocks;
+}
+
 class NanoDensityGrid final : public DensityGrid {
 public:
-    NanoDensityGrid(GridBuffer buffer, const glm::dmat4& file_from_index) : buffer_(std::move(buffer)) {
+    NanoDensityGrid(GridBuffer buffer, const glm::dmat4& file_from_index,
+                    std::size_t most_blocks = kMostBlocks)
+        : buffer_(std::move(buffer)) {
         check_transform(file_from_index);
         file_from_index_ = file_from_index;
         bytes_ = buffer_.size;
@@ -186,6 +229,8 @@ public:
         high_ = survey.high;
         maximum_ = survey.maximum;
         active_voxels_ = survey.active_voxels;
+        blocks_ = blocks_of(survey, most_blocks);
+        bytes_ += sizeof(std::uint64_t) * blocks_.occupied.size();
     }
 
     /// Not to be asked of an empty grid.
@@ -211,7 +256,8 @@ std::shared_ptr<const DensityGrid> empty_grid(const glm::dmat4& file_from_index)
 
 std::shared_ptr<const DensityGrid> DensityGrid::from_values(glm::ivec3 low, glm::ivec3 size,
                                                             std::span<const float> values,
-                                                            const glm::dmat4& file_from_index) {
+                                                            const glm::dmat4& file_from_index,
+                                                            std::size_t most_blocks) {
     nanovdb::GridBuilder<float> builder;
     builder.setStats(nanovdb::StatsMode::Disable);
     builder.setChecksum(nanovdb::ChecksumMode::Disable);
@@ -234,7 +280,7 @@ std::shared_ptr<const DensityGrid> DensityGrid::from_values(glm::ivec3 low, glm:
     const auto handle = std::make_shared<nanovdb::GridHandle<nanovdb::HostBuffer>>(builder.getHandle<>());
     GridBuffer buffer{{handle, reinterpret_cast<const std::byte*>(handle->data())},
                       static_cast<std::size_t>(handle->size())};
-    return grid_of_buffer(std::move(buffer), file_from_index);
+    return std::make_shared<NanoDensityGrid>(std::move(buffer), file_from_index, most_blocks);
 }
 
 /// Remembers the block it was in last. Most cells have all their corners in one block.
@@ -288,7 +334,9 @@ struct DensityGrid::Reader::State {
 };
 
 DensityGrid::Reader::Reader(const DensityGrid& grid) {
-    if (!grid.empty()) state_ = std::make_unique<State>(static_cast<const NanoDensityGrid&>(grid));
+    static_assert(sizeof(State) <= sizeof(room_) && alignof(State) <= 16);
+    static_assert(std::is_trivially_destructible_v<State>);
+    if (!grid.empty()) state_ = new (room_.data()) State(static_cast<const NanoDensityGrid&>(grid));
 }
 
 DensityGrid::Reader::~Reader() = default;

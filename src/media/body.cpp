@@ -31,7 +31,7 @@ Body::Body(const scene::FrameScene& scene, std::size_t medium) {
         low_ = glm::dvec3(-1);
         high_ = glm::dvec3(1);
     } else {
-        grid_ = std::make_unique<GridWalk>(scene.medium_grids[medium]);
+        grid_.emplace(scene.medium_grids[medium]);
         if (m.z_up) world_from_local *= upright();
         world_from_local *= scene.medium_grids[medium]->file_from_index();
         low_ = grid_->low();

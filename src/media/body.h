@@ -1,7 +1,7 @@
 #pragma once
 #include <cstddef>
 #include <glm/glm.hpp>
-#include <memory>
+#include <optional>
 #include <vector>
 
 #include "media/grid_walk.h"
@@ -38,7 +38,7 @@ private:
     glm::dvec3 low_, high_;  ///< of the box, local
     double density_;         ///< of a box; factor of a grid's
     double least_y_;
-    std::unique_ptr<GridWalk> grid_;
+    std::optional<GridWalk> grid_;
 };
 
 }  // namespace dapple::media

@@ -37,62 +37,11 @@ bool all_zero(const float (&corners)[8]) {
 
 }  // namespace
 
-class GridWalk::Lease {
-public:
-    explicit Lease(const GridWalk& walk) : walk_(walk) {
-        {
-            const std::scoped_lock lock(walk.idle_lock_);
-            if (!walk.idle_.empty()) {
-                reader_ = std::move(walk.idle_.back());
-                walk.idle_.pop_back();
-            }
-        }
-        if (!reader_) reader_ = std::make_unique<Reader>(*walk.grid_);
-    }
-    ~Lease() {
-        const std::scoped_lock lock(walk_.idle_lock_);
-        walk_.idle_.push_back(std::move(reader_));
-    }
-    Lease(const Lease&) = delete;
-    Lease& operator=(const Lease&) = delete;
-    Reader& reader() { return *reader_; }
-
-private:
-    const GridWalk& walk_;
-    std::unique_ptr<Reader> reader_;
-};
-
-GridWalk::GridWalk(std::shared_ptr<const grids::DensityGrid> grid, std::size_t most_blocks)
-    : grid_(std::move(grid)), first_cell_(grid_->low() - 1), last_cell_(grid_->high()) {
-    find_blocks(most_blocks);
-}
-
-void GridWalk::find_blocks(std::size_t most_blocks) {
-    blocks_.first = first_cell_ >> 3;
-    blocks_.count = (last_cell_ >> 3) - blocks_.first + 1;
-    const double many = static_cast<double>(blocks_.count.x) * static_cast<double>(blocks_.count.y) *
-                        static_cast<double>(blocks_.count.z);
-    if (many > static_cast<double>(most_blocks)) return;
-    blocks_.occupied.assign(static_cast<std::size_t>(many), 0);
-    Reader reader(*grid_);
-    const glm::ivec3 last = grid_->high() >> 3;
-    for (glm::ivec3 at = grid_->low() >> 3; at.z <= last.z; ++at.z) {
-        for (at.y = grid_->low().y >> 3; at.y <= last.y; ++at.y) {
-            for (at.x = grid_->low().x >> 3; at.x <= last.x; ++at.x) {
-                if (reader.block_is_empty(at * kBlock)) continue;
-                // The last cells of the blocks before reach into this one.
-                for (int corner = 0; corner < 8; ++corner) {
-                    const glm::ivec3 reaching = at - glm::ivec3(corner & 1, corner >> 1 & 1, corner >> 2);
-                    if (glm::all(glm::greaterThanEqual(reaching, blocks_.first)))
-                        blocks_.occupied[blocks_.index(reaching)] = 1;
-                }
-            }
-        }
-    }
-}
+GridWalk::GridWalk(std::shared_ptr<const grids::DensityGrid> grid)
+    : grid_(std::move(grid)), first_cell_(grid_->low() - 1), last_cell_(grid_->high()) {}
 
 bool GridWalk::holds_density(const glm::ivec3& block, Reader& reader) const {
-    if (!blocks_.occupied.empty()) return blocks_.occupied[blocks_.index(block)] != 0;
+    if (const grids::CellBlocks* noted = grid_->cell_blocks()) return noted->at(block);
     for (int corner = 0; corner < 8; ++corner) {
         const glm::ivec3 reached = block + glm::ivec3(corner & 1, corner >> 1 & 1, corner >> 2);
         if (!reader.block_is_empty(reached * kBlock)) return true;
@@ -166,8 +115,7 @@ void GridWalk::walk(const Line& line, Interval part, Reader& reader, Visit&& vis
 /// Calls visit(piece) for the cells on the line that hold density.
 template <class Visit>
 void GridWalk::visit_pieces(const Line& line, Interval part, Visit&& visit) const {
-    Lease lease(*this);
-    Reader& reader = lease.reader();
+    Reader reader(*grid_);
     Piece piece;
     float corners[8];
     walk(line, part, reader, [&](const glm::ivec3& cell, double begin, double end) {
@@ -196,8 +144,7 @@ void GridWalk::append_pieces(const Line& line, Interval part, std::vector<Piece>
 }
 
 double GridWalk::density(const glm::dvec3& at) const {
-    Lease lease(*this);
-    return static_cast<double>(lease.reader().density(at));
+    return static_cast<double>(Reader(*grid_).density(at));
 }
 
 }  // namespace dapple::media

@@ -1,9 +1,6 @@
 #pragma once
-#include <cstddef>
-#include <cstdint>
 #include <glm/glm.hpp>
 #include <memory>
-#include <mutex>
 #include <vector>
 
 #include "grids/density_grid.h"
@@ -27,10 +24,7 @@ class GridWalk {
 public:
     using Reader = grids::DensityGrid::Reader;
 
-    /// Which of its blocks are empty is noted where there are at most so many, a byte each, else asked for.
-    static constexpr std::size_t kMostBlocks = std::size_t{1} << 24;
-
-    explicit GridWalk(std::shared_ptr<const grids::DensityGrid> grid, std::size_t most_blocks = kMostBlocks);
+    explicit GridWalk(std::shared_ptr<const grids::DensityGrid> grid);
 
     /// The box beyond which density is 0, in index space.
     glm::dvec3 low() const { return glm::dvec3(first_cell_); }
@@ -43,36 +37,16 @@ public:
     double density(const glm::dvec3& at) const;
 
 private:
-    /// Which blocks of 8 x 8 x 8 cells hold density: those whose cells reach a voxel that is active.
-    struct Blocks {
-        glm::ivec3 first{0};
-        glm::ivec3 count{0};
-        std::vector<std::uint8_t> occupied;  ///< x fastest; none where there would be too many: readers know
-        std::size_t index(const glm::ivec3& block) const {
-            const glm::ivec3 at = block - first;
-            return (static_cast<std::size_t>(at.z) * static_cast<std::size_t>(count.y) +
-                    static_cast<std::size_t>(at.y)) *
-                       static_cast<std::size_t>(count.x) +
-                   static_cast<std::size_t>(at.x);
-        }
-    };
-
-    /// A reader for one call, from those that earlier calls gave back.
-    class Lease;
-
     template <class Visit>
     void walk(const Line& line, Interval part, Reader& reader, Visit&& visit) const;
     template <class Visit>
     void visit_pieces(const Line& line, Interval part, Visit&& visit) const;
-    void find_blocks(std::size_t most_blocks);
+    /// Whether a block of 8 x 8 x 8 cells does.
     bool holds_density(const glm::ivec3& block, Reader& reader) const;
 
     std::shared_ptr<const grids::DensityGrid> grid_;
     glm::ivec3 first_cell_{0};
     glm::ivec3 last_cell_{-1};
-    Blocks blocks_;
-    mutable std::mutex idle_lock_;
-    mutable std::vector<std::unique_ptr<Reader>> idle_;
 };
 
 }  // namespace dapple::media

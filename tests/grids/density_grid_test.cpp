@@ -154,6 +154,34 @@ TEST(DensityGrid, BlocksAreEmptyWhereAllVoxelsAre) {
     EXPECT_GT(full, 20);
 }
 
+TEST(DensityGrid, BlocksOfCellsAreOccupiedWhereTheyReachVoxels) {
+    const Dense dense = sparse_voxels();
+    const auto grid = DensityGrid::from_values(dense.low, dense.size, dense.values, kIdentity);
+    const CellBlocks* blocks = grid->cell_blocks();
+    ASSERT_NE(blocks, nullptr);
+    EXPECT_EQ(blocks->first, (grid->low() - 1) >> 3);
+    EXPECT_EQ(blocks->first + blocks->count - 1, grid->high() >> 3);
+    DensityGrid::Reader reader(*grid);
+    const glm::ivec3 count = blocks->count;
+    const int all = count.x * count.y * count.z;
+    int occupied = 0;
+    for (int i = 0; i < all; ++i) {
+        const glm::ivec3 block =
+            blocks->first + glm::ivec3(i % count.x, i / count.x % count.y, i / count.x / count.y);
+        bool expected = false;
+        for (int k = 0; k < 8; ++k)
+            expected |= !reader.block_is_empty(8 * (block + glm::ivec3(k & 1, k >> 1 & 1, k >> 2)));
+        ASSERT_EQ(blocks->at(block), expected) << i;
+        occupied += expected ? 1 : 0;
+    }
+    EXPECT_GT(occupied, 20);
+    EXPECT_LT(occupied, all);
+    const auto without = DensityGrid::from_values(dense.low, dense.size, dense.values, kIdentity,
+                                                  static_cast<std::size_t>(all) - 1);
+    EXPECT_EQ(without->cell_blocks(), nullptr);
+    EXPECT_EQ(grid->bytes() - without->bytes(), 8 * blocks->occupied.size());
+}
+
 TEST(DensityGrid, FullBlockIsNotEmpty) {
     const std::vector<float> ones(512, 1.0F);
     const auto grid = DensityGrid::from_values({-8, 0, 8}, {8, 8, 8}, ones, kIdentity);

@@ -67,13 +67,15 @@ void add_water(scene::FrameScene& scene, glm::dvec3 absorption, glm::dvec3 scatt
 
 /// Values at (i, j, k) from low, as a grid of the file's own space with `voxel` m a voxel.
 std::shared_ptr<const grids::DensityGrid> grid_of(glm::ivec3 low, glm::ivec3 size, double voxel,
-                                                  const std::function<double(glm::ivec3)>& value) {
+                                                  const std::function<double(glm::ivec3)>& value,
+                                                  std::size_t most_blocks = grids::DensityGrid::kMostBlocks) {
     std::vector<float> values;
     for (int z = 0; z < size.z; ++z)
         for (int y = 0; y < size.y; ++y)
             for (int x = 0; x < size.x; ++x)
                 values.push_back(static_cast<float>(value(low + glm::ivec3(x, y, z))));
-    return grids::DensityGrid::from_values(low, size, values, glm::scale(glm::dmat4(1), glm::dvec3(voxel)));
+    return grids::DensityGrid::from_values(low, size, values, glm::scale(glm::dmat4(1), glm::dvec3(voxel)),
+                                           most_blocks);
 }
 
 scene::Medium grid_medium() {
@@ -321,8 +323,9 @@ TEST(MediaGrid, FilesWithZUpAreTurned) {
 }
 
 /// A random cloud of many blocks, most of them empty.
-std::shared_ptr<const grids::DensityGrid> cloud(std::uint64_t seed) {
-    return grid_of({-30, -13, 5}, {61, 40, 33}, 0.1, [seed](glm::ivec3 v) {
+std::shared_ptr<const grids::DensityGrid> cloud(std::uint64_t seed,
+                                                std::size_t most_blocks = grids::DensityGrid::kMostBlocks) {
+    const auto density = [seed](glm::ivec3 v) {
         Dice block(seed + static_cast<std::uint64_t>((v.x >> 3) + 100) * 10007 +
                    static_cast<std::uint64_t>((v.y >> 3) + 100) * 101 +
                    static_cast<std::uint64_t>((v.z >> 3) + 100));
@@ -330,7 +333,8 @@ std::shared_ptr<const grids::DensityGrid> cloud(std::uint64_t seed) {
         Dice voxel(seed * 31 + static_cast<std::uint64_t>(v.x + 100) * 1000003 +
                    static_cast<std::uint64_t>(v.y + 100) * 1009 + static_cast<std::uint64_t>(v.z + 100));
         return voxel.roll() < 0.1 ? 0.0 : voxel.roll(0, 5);
-    });
+    };
+    return grid_of({-30, -13, 5}, {61, 40, 33}, 0.1, density, most_blocks);
 }
 
 TEST(MediaGrid, ACloudEqualsFineMarching) {
@@ -405,8 +409,10 @@ TEST(MediaGrid, VoxelsFarApartAreFound) {
 }
 
 TEST(MediaGrid, BlocksThatAreTooManyToNoteAreAskedFor) {
-    const auto grid = cloud(13);
-    const GridWalk noted(grid), asked(grid, 0);
+    const auto grid = cloud(13), without = cloud(13, 0);
+    ASSERT_NE(grid->cell_blocks(), nullptr);
+    ASSERT_EQ(without->cell_blocks(), nullptr);
+    const GridWalk noted(grid), asked(without);
     Dice dice(6);
     double sum = 0;
     for (int i = 0; i < 100; ++i) {
