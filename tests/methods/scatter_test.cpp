@@ -249,6 +249,16 @@ TEST(Scatter, BoxesCastSharpVolumetricShadows) {
     EXPECT_EQ(share[7], 0);
     EXPECT_NEAR(share[8], 1, 1e-5);
     EXPECT_GT(result.counts.shadow_rays, 0u);
+    // With the sun's disc the umbrae narrow by its radius and stay dark.
+    open.state.lights[0].angular_diameter = scene.state.lights[0].angular_diameter = 0.53 * scene::kDegree;
+    const SheetSet<float> wide(scene, Event::transmission, 6), wide_free(open, Event::transmission, 6);
+    const Scattered soft = scattered(scene, wide, ends), soft_lit = scattered(open, wide_free, ends);
+    EXPECT_EQ(soft.values[0].x, 0);
+    EXPECT_EQ(soft.values[1].x, 0);
+    // 2 mm beside the edge of the sharp shadow, in a penumbra 1 cm wide and more.
+    EXPECT_GT(soft.values[2].x / soft_lit.values[2].x, 0.5);
+    EXPECT_LT(soft.values[2].x / soft_lit.values[2].x, 0.9);
+    EXPECT_EQ(soft.values[3].x, 0);
 }
 
 TEST(Scatter, HardCasesStayFinite) {

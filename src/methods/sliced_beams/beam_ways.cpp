@@ -20,25 +20,38 @@ BeamWays<Real>::BeamWays(const SheetCoverage<Real>& sheet) {
     judge(sheet);
 }
 
-/// Which object hides the light from each vertex.
+/// Which object hides all of the light from each vertex.
 template <class Real>
 void BeamWays<Real>::trace_before(const SheetCoverage<Real>& coverage) {
     const light::BeamSheet<Real>& sheet = coverage.sheet();
     const std::vector<glm::dvec3>& positions = coverage.scene().water->mesh.positions;
     const glm::dvec3 origin = coverage.scene().origin;
-    const bool sun = sheet.light_direction != glm::dvec3(0);
     const glm::vec3 lamp(coverage.lamp());
+    // A convex object that hides the corners of a square about the disc hides all of the disc.
+    std::vector<glm::vec3> to_sun;
+    if (coverage.disc_radius() > 0)
+        for (const glm::dvec2& corner : {glm::dvec2(1, 1), {1, -1}, {-1, 1}, {-1, -1}})
+            to_sun.emplace_back(coverage.to_sun(corner));
+    else
+        to_sun.emplace_back(coverage.to_sun({0, 0}));
     hidden_by_.assign(sheet.rays.size(), kNoObject);
     parallel_for(sheet.rays.size(), kPart, [&](std::size_t begin, std::size_t end) {
-        std::vector<rays::Ray> rays;
-        for (std::size_t i = begin; i < end; ++i) {
-            const glm::vec3 from(positions[i] - origin);
-            rays.push_back({from, 0, sun ? glm::vec3(-sheet.light_direction) : lamp - from,
-                            sun ? std::numeric_limits<float>::infinity() : 1.0f});
-        }
+        std::vector<rays::Ray> rays(end - begin);
         std::vector<rays::Hit> hits(rays.size());
-        coverage.rays().intersect_objects(rays, hits);
-        for (std::size_t i = begin; i < end; ++i) hidden_by_[i] = hits[i - begin].object;
+        for (const glm::vec3& direction : to_sun) {
+            for (std::size_t i = begin; i < end; ++i) {
+                const glm::vec3 from(positions[i] - origin);
+                const bool sun = direction != glm::vec3(0);
+                rays[i - begin] = {from, 0, sun ? direction : lamp - from,
+                                   sun ? std::numeric_limits<float>::infinity() : 1.0f};
+            }
+            coverage.rays().intersect_objects(rays, hits);
+            for (std::size_t i = begin; i < end; ++i) {
+                const std::uint32_t object = hits[i - begin].object;
+                const bool same = &direction == &to_sun.front() || object == hidden_by_[i];
+                hidden_by_[i] = same ? object : kNoObject;
+            }
+        }
     });
 }
 
@@ -116,8 +129,7 @@ void BeamWays<Real>::judge(const SheetCoverage<Real>& coverage) {
     const auto shade_of = [&](const Volume& volume, std::span<const std::uint32_t> vertices) {
         std::uint8_t shade = 0;
         std::uint32_t object;
-        if (common(hidden_by_, vertices, object) && object != kNoObject && occluders.convex(object) &&
-            spread == 0)
+        if (common(hidden_by_, vertices, object) && object != kNoObject && occluders.convex(object))
             return static_cast<std::uint8_t>(kDark);
         if (object != kNoObject || !occluders.free_before_water(volume.surface[1], spread))
             shade |= kMixedBefore;

@@ -522,15 +522,8 @@ ScatterSheet<Real>::ScatterSheet(const SheetCoverage<Real>& sheet)
 template <class Real>
 LightDirection<Real> ScatterSheet<Real>::direction(glm::dvec2 disc) const {
     const light::BeamSheet<Real>& sheet = coverage_.sheet();
-    if (sheet.light_direction == glm::dvec3(0)) return {};
-    // The axes of the disc that disc_u and disc_v are the images of: in the plane of incidence and across it.
-    const glm::dvec3 travel = sheet.light_direction;
-    glm::dvec3 across = glm::cross(travel, glm::dvec3(0, 1, 0));
-    across = glm::dot(across, across) > 1e-24 ? glm::normalize(across) : glm::dvec3(1, 0, 0);
-    const glm::dvec3 moved =
-        travel + coverage_.disc_radius() * (disc.x * glm::cross(across, travel) + disc.y * across);
     return {glm::vec<2, Real>(disc.x * sheet.disc_u + disc.y * sheet.disc_v),
-            glm::vec3(-glm::normalize(moved))};
+            glm::vec3(coverage_.to_sun(disc))};
 }
 
 template <class Real>

@@ -97,6 +97,16 @@ double SheetCoverage<Real>::disc_radius() const {
 }
 
 template <class Real>
+glm::dvec3 SheetCoverage<Real>::to_sun(glm::dvec2 disc) const {
+    const glm::dvec3 travel = sheet_.light_direction;
+    if (travel == glm::dvec3(0)) return travel;
+    // In the plane of incidence and across it.
+    glm::dvec3 across = glm::cross(travel, glm::dvec3(0, 1, 0));
+    across = glm::dot(across, across) > 1e-24 ? glm::normalize(across) : glm::dvec3(1, 0, 0);
+    return -glm::normalize(travel + disc_radius() * (disc.x * glm::cross(across, travel) + disc.y * across));
+}
+
+template <class Real>
 Receiver<Real> SheetCoverage<Real>::rotated(const Receiver<Real>& world) const {
     return {sheet_from_world_ * world.position, sheet_from_world_ * world.u, sheet_from_world_ * world.v,
             sheet_from_world_ * world.normal};

@@ -56,6 +56,9 @@ public:
     }
     /// rad, of the part of the sun's disc that the sheet stands for; 0: none.
     double disc_radius() const;
+    /// Unit, towards a point of that part, in the unit disc whose axes' images are the sheet's disc_u and
+    /// disc_v; 0: the light is no sun.
+    glm::dvec3 to_sun(glm::dvec2 disc) const;
 
     /// Adds this sheet's irradiance [W/m^2] of up to kTileReceivers receivers near each other on one object,
     /// in world axes relative to FrameScene::origin. Thread-safe. `hidden`, if given, becomes 1 where an
