@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <set>
 
 #include "base/error.h"
 #include "base/parallel.h"
@@ -255,6 +256,83 @@ TEST(ReferenceMedia, RatioTrackingHasNoBias) {
     }
 }
 
+/// A ray that passes a dense voxel at a distance is hardly dimmed; one step of ratio tracking a mean free
+/// path of the voxel would be millions. RandomStream::dimension counts the steps.
+TEST(ReferenceMedia, DenseGridsTakeFewSteps) {
+    Cloud cloud([](int x, int y, int z) { return x == 2 && y == 1 && z == 2 ? 1 : 0; });
+    cloud.medium.transform = {};
+    scene::FrameScene scene;
+    scene.medium_grids = {cloud.grid};
+    constexpr std::uint32_t most = 64;
+    const glm::dvec3 along(1, 0, 0);
+    for (const double density : {1e4, 1e6, 1e9}) {
+        cloud.medium.density = density;
+        scene.state.media = {cloud.medium};
+        const reference::OwnMedia media(scene);
+        reference::MediaProbe probe(media);
+        // So far off that the optical depth is half the largest extinction: 10 cm of that density.
+        const double share = std::sqrt(5 / density);
+        const glm::dvec3 origin(-3, -0.05 + 0.1 * (1 - share), 0.1 * (1 - share));
+        reference::RandomStream random{1, 2, 3};
+        probe.start(origin, along, false);
+        const glm::dvec3 half = probe.transmittance_to(2.95, random);
+        const glm::dvec3 whole = probe.transmittance_to(10, random);
+        for (int channel = 0; channel < 3; ++channel) {
+            // A share of a voxel's edge in float, squared: 1e-3 for the farthest.
+            const double depth = 0.5 * cloud.medium.extinction[channel];
+            EXPECT_NEAR(whole[channel], std::exp(-depth), 3e-3) << density;
+            EXPECT_NEAR(half[channel], std::exp(-0.5 * depth), 3e-3) << density;
+        }
+        EXPECT_LT(random.dimension, most);
+        // Through its middle no light comes.
+        probe.start({-3, -0.05, 0}, along, false);
+        EXPECT_LT(probe.transmittance_to(10, random).z, 1e-80) << density;
+    }
+    // Nothing is asked for behind a wall.
+    cloud.medium.density = 3;
+    scene.state.media = {cloud.medium, box_of_smoke({0.3, 0, 0}, {0.1, 1, 1})};
+    scene.state.media[1].density = 1e9;
+    scene.medium_grids = {cloud.grid, nullptr};
+    const reference::OwnMedia media(scene);
+    reference::MediaProbe probe(media);
+    reference::RandomStream random{1, 2, 3};
+    EXPECT_EQ(probe.transmittance({3, -0.05, 0}, -along, 10, false, random), glm::dvec3(0));
+    EXPECT_EQ(random.dimension, 0U);
+}
+
+TEST(ReferenceMedia, LightsShareNoRandomNumbers) {
+    scene::FrameState state = water_with_eye({0, -1, 0}, {0, 0, -1}, 8, 6);
+    state.objects.clear();
+    state.lights.assign(300, sun_from_zenith(0));
+    Frame frame(state);
+    frame.rays.emplace(frame.scene);
+    const reference::WaterRays water(frame.scene);
+    const reference::OwnMedia media(frame.scene);
+    std::set<std::uint64_t> seen;
+    std::size_t rays = 0;
+    for (const std::uint32_t index : {0u, 1u, 255u, 256u, 257u}) {
+        const reference::Lamp lamp(frame.scene, *frame.rays, water, media, index);
+        for (const reference::Incoming& light : lamp.shine({0, 64}, 0, 64)) {
+            seen.insert(light.random);
+            ++rays;
+        }
+    }
+    EXPECT_EQ(rays, 5 * 64U);
+    EXPECT_EQ(seen.size(), rays);
+}
+
+TEST(ReferenceMedia, MemoryHoldsTheEstimatesOfAllLayers) {
+    scene::FrameState state = water_with_eye({0, -1, 0}, {0, 0, -1}, 8, 6);
+    state.clip.samples = 64;
+    scene::FrameState clear = state;
+    clear.water->scattering = {0, 0, 0};
+    const Reference method;
+    constexpr std::size_t pixels = 1000000;
+    // Mean and deviations of a pixel and of a segment in it, of both branches of all samples.
+    constexpr std::size_t estimates = 64 * 2 * pixels * 2 * 2 * sizeof(glm::dvec3);
+    EXPECT_GT(method.bytes(state, pixels), method.bytes(clear, pixels) + estimates);
+}
+
 TEST(ReferenceMedia, LightThroughMediaReachesTheFloor) {
     // E: through a cloud over the water, then scattering water and a box in it.
     Cloud cloud([](int x, int, int) { return 0.5 + 0.2 * x; });
@@ -327,7 +405,8 @@ TEST(ReferenceMedia, LightIsScatteredAbsorbedOrLands) {
     for (int channel = 0; channel < 3; ++channel) {
         printf("landed %.4f, lost %.4f (scattered %.4f) of %.4f\n", landed[channel], lost[channel],
                scattered[channel], entered[channel]);
-        EXPECT_NEAR((landed[channel] + lost[channel]) / entered[channel], 1, 1e-3);
+        // One random place a way: over 16 passes the standard deviation was 1.2e-3.
+        EXPECT_NEAR((landed[channel] + lost[channel]) / entered[channel], 1, 4e-3);
         EXPECT_GT(scattered[channel], 0.1 * lost[channel]);
         EXPECT_LT(scattered[channel], lost[channel]);
         EXPECT_GT(landed[channel], 0.1 * entered[channel]);
@@ -360,7 +439,7 @@ TEST(ReferenceMedia, ResumesToTheSameBits) {
     VolumeFrame broken(state);
     broken.checkpoint.file = folder / "progress";
     int calls = 0;
-    broken.checkpoint.stop = [&] { return ++calls % 6 == 0; };
+    broken.checkpoint.stop = [&] { return ++calls % 12 == 0; };
     std::optional<LayerResult> resumed;
     int interruptions = 0;
     while (!resumed && interruptions < 100) {

@@ -240,8 +240,9 @@ void CameraBeams::add_events(const LightWay& way, MediaProbe& light_probe, Media
             if (scattering == glm::dvec3(0)) continue;
             glm::dvec3 transmittance;
             if (bounded) {
-                transmittance = light_probe.transmittance_to(along, random) *
-                                eye_probe.transmittance(position, view, distance, way.in_water, random);
+                transmittance = light_probe.transmittance_to(along, random);
+                if (transmittance == glm::dvec3(0)) return;  // nor farther on
+                transmittance *= eye_probe.transmittance(position, view, distance, way.in_water, random);
             } else {
                 transmittance = way.in_water ? media.through_water(along + distance) : glm::dvec3(1);
             }

@@ -6,6 +6,7 @@
 #include "view/camera.h"
 #include "view/camera_medium.h"
 #include "view/camera_paths.h"
+#include "view/segment_recorder.h"
 
 namespace dapple::reference {
 namespace {
@@ -61,8 +62,12 @@ int CameraSegments::paths_across(std::size_t pixels) {
 double CameraSegments::bytes(std::size_t pixels) {
     // Vectors grow by doubling; a path behind the water has one segment in it, sometimes two.
     const double beams = static_cast<double>(pixels) * paths_across(pixels) * paths_across(pixels);
+    // One layer of sub-pixel paths: pieces as they are recorded, and as they are kept (89 B), receivers (100
+    // B).
+    constexpr double kSubPath = kSegmentsAPixel * (2 * sizeof(view::PathPiece) + 89) + 100;
     return CameraBeams::kMostBytes + beams * 3 * sizeof(CameraBeam) +
-           static_cast<double>(pixels) * (sizeof(EyeConnection::Target) + 2 * sizeof(glm::dvec3));
+           static_cast<double>(pixels) *
+               (kSubPath + sizeof(EyeConnection::Target) + kSegmentsAPixel * sizeof(glm::dvec3));
 }
 
 CameraSegments::CameraSegments(const scene::FrameScene& scene, const rays::RayScene& rays,

@@ -26,6 +26,8 @@ struct CameraSegments {
     /// Most sub-pixel paths along each side of the pixel; fewer in large pictures.
     static constexpr int kMostAcross = 8;
     static int paths_across(std::size_t pixels);
+    /// For estimates of memory: one on each side of the water.
+    static constexpr double kSegmentsAPixel = 2;
     /// While it is made and used, for a picture whose paths have a few segments each.
     static double bytes(std::size_t pixels);
 };

@@ -103,8 +103,9 @@ void EyeConnection::add_events(const LightWay& way, MediaProbe& light_probe, Med
         if (scattering == glm::dvec3(0)) continue;
         glm::dvec3 transmittance;
         if (bounded) {
-            transmittance = light_probe.transmittance_to(along, random) *
-                            eye_probe.transmittance(event.position, view, distance, in_water_, random);
+            transmittance = light_probe.transmittance_to(along, random);
+            if (transmittance == glm::dvec3(0)) break;  // nor farther on
+            transmittance *= eye_probe.transmittance(event.position, view, distance, in_water_, random);
         } else {
             transmittance = media.through_water(along + distance);
         }

@@ -181,7 +181,9 @@ std::optional<Incoming> Lamp::illuminate(const LightPass& pass, const WaterPoint
     incoming.side = facing > 0 ? 1 : -1;
     if (!(incoming.side > 0 ? from_above_ : from_below_)) return {};
     incoming.power = std::abs(facing) * across;
-    incoming.random = branched(branched(pass.strata, pass.number), stratum << 8 | index_);
+    // 8 bits of the light's index stand below the stratum, the others above the pass's number of 24 bits.
+    const std::uint64_t set = static_cast<std::uint64_t>(index_ >> 8) << 24 | pass.number;
+    incoming.random = branched(branched(pass.strata, set), stratum << 8 | (index_ & 0xff));
     incoming.stratum = static_cast<std::uint32_t>(stratum);
     if (!finite(incoming.power) || !(mean(incoming.power) > 0)) return {};
     return incoming;

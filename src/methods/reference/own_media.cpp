@@ -14,6 +14,8 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kMostBlocks = 0x1p24;
 /// Interpolated densities may round to more than the largest voxel.
 constexpr float kRoundUp = 1 + 0x1p-20f;
+/// Steps of ratio tracking that a block may be expected to take; where it is denser its cells are integrated.
+constexpr double kMostSteps = 32;
 /// Optical depth beyond which nothing of the water is looked at.
 constexpr double kDarkness = 60;
 
@@ -259,20 +261,16 @@ void MediaProbe::start_walk(std::size_t medium, const glm::dvec3& origin, const 
 }
 
 void MediaProbe::Walk::advance(double to, RandomStream& random) {
-    const glm::dvec3& extinction = medium->extinction;
-    const double largest = std::max({extinction.x, extinction.y, extinction.z});
+    const double largest = std::max({medium->extinction.x, medium->extinction.y, medium->extinction.z});
     const double goal = std::min(to, end);
-    while (at < goal) {
+    while (at < goal && any(weight)) {
         const int axis = next.x <= next.y ? (next.x <= next.z ? 0 : 2) : (next.y <= next.z ? 1 : 2);
         const double leave = std::min(goal, next[axis]);
-        const auto most = static_cast<double>(medium->bounds->at(block));
-        if (most > 0) {
-            for (;;) {
-                at -= std::log1p(-random.next()) / (most * largest);
-                if (at >= leave) break;
-                const auto there = static_cast<double>(reader->density(origin + at * direction));
-                weight *= glm::max(glm::dvec3(0), 1.0 - there / (most * largest) * extinction);
-            }
+        const double majorant = largest * static_cast<double>(medium->bounds->at(block));
+        if (majorant * (leave - at) > kMostSteps) {
+            cross_cells(leave);
+        } else if (majorant > 0) {
+            track(leave, majorant, random);
         }
         at = leave;
         if (next[axis] <= goal) {
@@ -282,6 +280,41 @@ void MediaProbe::Walk::advance(double to, RandomStream& random) {
     }
 }
 
+void MediaProbe::Walk::track(double leave, double majorant, RandomStream& random) {
+    while (any(weight)) {
+        at -= std::log1p(-random.next()) / majorant;
+        if (at >= leave) return;
+        weight *= glm::max(glm::dvec3(0), 1.0 - density() / majorant * medium->extinction);
+    }
+}
+
+/// Along a line density is a cubic in each cell, for which Simpson's rule is exact.
+void MediaProbe::Walk::cross_cells(double leave) {
+    const auto place = [&](int axis, double plane) {
+        return direction[axis] == 0 ? kInfinity : (plane - origin[axis]) / direction[axis];
+    };
+    const glm::dvec3 start = origin + at * direction;
+    glm::dvec3 plane, side;  // the next that the ray meets, an axis, and m to it
+    for (int axis = 0; axis < 3; ++axis) {
+        plane[axis] = step[axis] > 0 ? std::floor(start[axis]) + 1 : std::ceil(start[axis]) - 1;
+        side[axis] = place(axis, plane[axis]);
+    }
+    double column = 0, first = density();
+    while (at < leave) {
+        const int axis = side.x <= side.y ? (side.x <= side.z ? 0 : 2) : (side.y <= side.z ? 1 : 2);
+        const double from = at, to = std::clamp(side[axis], at, leave);
+        plane[axis] += step[axis];
+        side[axis] = place(axis, plane[axis]);
+        at = 0.5 * (from + to);
+        const double middle = density();
+        at = to;
+        const double last = density();
+        column += (to - from) / 6 * (first + 4 * middle + last);
+        first = last;
+    }
+    weight *= glm::exp(-column * medium->extinction);
+}
+
 glm::dvec3 MediaProbe::transmittance_to(double distance, RandomStream& random) {
     glm::dvec3 result = in_water_ ? media_.through_water(distance) : glm::dvec3(1);
     for (const Slab& slab : slabs_) {
@@ -289,6 +322,7 @@ glm::dvec3 MediaProbe::transmittance_to(double distance, RandomStream& random) {
         if (way > 0) result *= glm::exp(-way * slab.extinction);
     }
     for (Walk& walk : walks_) {
+        if (!any(result)) break;  // nor will there be light farther on
         walk.advance(distance, random);
         result *= walk.weight;
     }

@@ -86,7 +86,9 @@ public:
     glm::dvec3 transmittance_to(double distance, RandomStream& random);
 
 private:
-    /// Ratio tracking (Novak, Selle & Jarosz 2014) through the blocks of a grid.
+    /// Ratio tracking (Novak, Selle & Jarosz 2014) through the blocks of a grid; through dense blocks, where
+    /// it would take many steps, and where a ray may pass between what is dense with all its light, the
+    /// integral of the density. No block takes much longer than another, whatever its density.
     struct Walk {
         const OwnMedia::Bounded* medium = nullptr;
         grids::DensityGrid::Reader* reader = nullptr;
@@ -97,6 +99,9 @@ private:
         glm::dvec3 width{0};  ///< m between the sides of a block
         glm::dvec3 weight{1};
         void advance(double to, RandomStream& random);
+        void track(double leave, double majorant, RandomStream& random);
+        void cross_cells(double leave);
+        double density() { return static_cast<double>(reader->density(origin + at * direction)); }
     };
     struct Slab {
         Stretch stretch;

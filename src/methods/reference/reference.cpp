@@ -71,8 +71,15 @@ std::size_t Reference::bytes(const scene::FrameState& state, std::size_t pixels)
     constexpr double kMost = 0x1p61;
     const double water = state.water ? reference::surface_bytes(*state.water) : 0;
     const bool scatters = (state.water && state.water->scattering != glm::dvec3(0)) || !state.media.empty();
-    const double volume =
-        scatters ? reference::CameraSegments::bytes(pixels) + double{reference::kWaitingBytes} : 0;
+    double volume = 0;
+    if (scatters) {
+        // The mean and its deviations of all layers, and two passes: of segments, and of pixels after them.
+        constexpr double kSegments = reference::CameraSegments::kSegmentsAPixel;
+        const double count = static_cast<double>(pixels);
+        volume = reference::CameraSegments::bytes(pixels) +
+                 std::max(double{reference::kWaitingBytes}, count * kSegments * sizeof(glm::dvec3)) +
+                 count * (kSegments + 1) * sizeof(glm::dvec3) * (2 * 2.0 * state.clip.samples + 2);
+    }
     return static_cast<std::size_t>(
         std::min(kMost, static_cast<double>(pixels) * a_pixel + layers * kDeposits + water + volume));
 }

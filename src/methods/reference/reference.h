@@ -25,10 +25,11 @@ namespace dapple::methods {
 /// is complete.
 ///
 /// S is found the same way, a layer of segments at a time: light on its ways through media is scattered
-/// towards the camera at random places. Transmittance is exact in homogeneous media and by ratio tracking in
-/// grids. Segments from the eye of a perspective camera have no bias (eye_connection.h); others are seen by
-/// beams around sub-pixel camera paths, 8 x 8 a sample's part of a pixel (fewer in pictures of more than
-/// 16384 pixels), whose error falls with the square of their width (camera_beams.h).
+/// towards the camera at random places. Transmittance is exact in homogeneous media and in what is dense of
+/// grids, elsewhere by ratio tracking. Segments from the eye of a perspective camera have no bias
+/// (eye_connection.h); others are seen by beams around sub-pixel camera paths, 8 x 8 a sample's part of a
+/// pixel (fewer in pictures of more than 16384 pixels), whose error falls with the square of their width
+/// (camera_beams.h).
 ///
 /// Limits: light that leaves the water's rectangle below open water does not meet the rest plane outside it;
 /// branches of later crossings of less than 1e-4 of the light, and chains of more than eight events, end.

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kTile = 512;             ///< strata, at least
 constexpr std::size_t kSegmentsAStratum = 16;  ///< where there are many segments tiles are larger
-constexpr std::size_t kMostTilesAtOnce = 64;
+constexpr std::size_t kMostTilesAtOnce = 32;
 constexpr std::size_t kBatch = 1024;  ///< events whose visibility is asked at one go
 
 constexpr std::size_t kPilotStrata = 65536;
@@ -111,15 +111,19 @@ std::vector<WaterWeights> water_weights(const VolumeJob& job) {
         StrataLayout even(job.tracer.lamp(light).aspect(), kPilotStrata);
         const LightPass pass{kPilotPass, kPilotStrata, &even};
         std::vector<glm::dvec3> brought(even.strata(), glm::dvec3(0));
-        if (job.stop()) return {};
-        parallel_for(even.strata(), kTile, [&](std::size_t begin, std::size_t end) {
-            // Strata lie apart in `brought`: threads do not meet.
-            trace_events(job, pass, light, begin, end, brought,
-                         [&](const LightWay& way, ScatteringEvent& event) {
-                             event.radiance *= job.segments.throughput[event.segment];
-                             event.segment = way.stratum;
-                         });
-        });
+        constexpr std::size_t kAtOnce = kTile * kMostTilesAtOnce;
+        for (std::size_t first = 0; first < even.strata(); first += kAtOnce) {
+            if (job.stop()) return {};
+            const std::size_t count = std::min(even.strata() - first, kAtOnce);
+            parallel_for(count, kTile, [&](std::size_t begin, std::size_t end) {
+                // Strata lie apart in `brought`: threads do not meet.
+                trace_events(job, pass, light, first + begin, first + end, brought,
+                             [&](const LightWay& way, ScatteringEvent& event) {
+                                 event.radiance *= job.segments.throughput[event.segment];
+                                 event.segment = way.stratum;
+                             });
+            });
+        }
         std::vector<double> squares(even.tiles(), 0);
         for (std::size_t stratum = 0; stratum < brought.size(); ++stratum)
             squares[even.tile(stratum)] += mean(brought[stratum]) * mean(brought[stratum]);
