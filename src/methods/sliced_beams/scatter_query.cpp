@@ -1,0 +1,206 @@
+#include "methods/sliced_beams/scatter_query.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "methods/sliced_beams/positive_parts.h"
+
+namespace dapple::methods::sliced_beams {
+namespace {
+
+/// Parts of an interval that are asked one by one whether an object hides them from the light.
+constexpr int kShadowParts = 4;
+constexpr std::size_t kPairsAtOnce = 4096;
+
+}  // namespace
+
+template <class Real>
+void ScatterQuery<Real>::run() {
+    const BeamPyramid<Real>& pyramid = sheet_.coverage_.pyramid();
+    sheet_.bounds_.visit(segments_, direction_.shift,
+                         [&](typename BeamPyramid<Real>::NodeId node, const L& from, const L& to) {
+                             const Mask<Real> met = from <= to;
+                             counts_.clusters += static_cast<std::size_t>(__builtin_popcount(bits(met)));
+                             take_part(from, to, met);
+                             for (const std::uint32_t beam : pyramid.beams(node)) add_beam(beam, met);
+                         });
+    settle_pairs();
+}
+
+template <class Real>
+void ScatterQuery<Real>::take_part(const L& from, const L& to, const Mask<Real>& met) {
+    middle_ = met ? Real(0.5) * (from + to) : L{};
+    half_ = met ? Real(0.5) * (to - from) : L{};
+    const SegmentLanes<Real>& s = segments_;
+    part_ = {multiply_add(middle_, s.to_a, s.a),
+             multiply_add(middle_, s.to_b, s.b),
+             multiply_add(middle_, s.to_depth, s.depth),
+             half_ * s.to_a,
+             half_ * s.to_b,
+             half_ * s.to_depth};
+}
+
+template <class Real>
+void ScatterQuery<Real>::add_beam(std::uint32_t beam, const Mask<Real>& met) {
+    const light::BeamSheet<Real>& sheet = sheet_.coverage_.sheet();
+    if (beam == kNoBeam || !(sheet.flux[beam] > 0)) return;
+    const std::uint8_t shade = sheet_.ways_.shade(beam);
+    if (shade & Ways::kDark) return;
+    counts_.beams += static_cast<std::size_t>(kLanes<Real>);
+    sheet_.corners(beam, direction_.shift, corner_);
+    slices_ = slices(corner_, part_);
+    beam_ = beam;
+    flux_ = 2 * sheet.flux[beam];
+    visit_pieces(slices_, met, [&](const L& enter, const L& leave, const Mask<Real>& mask) {
+        if (lies_free(beam, enter, leave, mask))
+            take_piece(beam, enter, leave, mask);
+        else
+            cut_piece(beam, enter, leave, mask);
+    });
+}
+
+template <class Real>
+bool ScatterQuery<Real>::lies_free(std::uint32_t beam, const L& enter, const L& leave,
+                                   const Mask<Real>& mask) const {
+    const L first = multiply_add(enter, part_.half_depth, part_.depth);
+    const L last = multiply_add(leave, part_.half_depth, part_.depth);
+    const Real start = std::max({corner_[0].start, corner_[1].start, corner_[2].start});
+    if (any(mask & (lesser(first, last) < start))) return false;
+    if (!(sheet_.ways_.shade(beam) & Ways::kCut)) return true;
+    const glm::uvec3& t = sheet_.coverage_.triangles()[beam];
+    const Real stop = std::min({sheet_.ways_.stop(t.x), sheet_.ways_.stop(t.y), sheet_.ways_.stop(t.z)});
+    return !any(mask & (greater(first, last) > stop));
+}
+
+template <class Real>
+void ScatterQuery<Real>::cut_piece(std::uint32_t beam, const L& enter, const L& leave,
+                                   const Mask<Real>& mask) {
+    const glm::uvec3& triangle = sheet_.coverage_.triangles()[beam];
+    const bool stops = (sheet_.ways_.shade(beam) & Ways::kCut) != 0;
+    constexpr int kMost = 4;
+    L from[kMost], to[kMost];
+    Mask<Real> kept[kMost] = {};
+    for (unsigned lanes = bits(mask); lanes != 0; lanes &= lanes - 1) {
+        const int lane = __builtin_ctz(lanes);
+        const auto at = [lane](const L& v) { return static_cast<double>(v[lane]); };
+        const double depth = at(part_.depth), grows = at(part_.half_depth);
+        const double middle = 0.5 * (at(enter) + at(leave));
+        const double turned =
+            at(slices_.edge[0].c0) + middle * (at(slices_.edge[0].c1) + middle * at(slices_.edge[0].c2)) < 0
+                ? -1
+                : 1;
+        const auto beyond = [&](auto&& place, double sign, double(&c)[4]) {
+            std::fill(c, c + 4, 0.0);
+            for (int k = 0; k < 3; ++k) {
+                const double e0 = sign * (depth - static_cast<double>(place(k))), e1 = sign * grows;
+                const double w[3] = {turned * at(slices_.edge[k].c0), turned * at(slices_.edge[k].c1),
+                                     turned * at(slices_.edge[k].c2)};
+                for (int i = 0; i < 3; ++i) {
+                    c[i] += w[i] * e0;
+                    c[i + 1] += w[i] * e1;
+                }
+            }
+        };
+        double after_start[4], before_stop[4];
+        beyond([&](int k) { return corner_[k].start; }, 1, after_start);
+        Part below[2], parts[2];
+        int count = 0;
+        const int below_count = positive_parts(after_start, at(enter), at(leave), below);
+        for (int i = 0; i < below_count; ++i) {
+            int part_count = 1;
+            parts[0] = below[i];
+            if (stops) {
+                beyond([&](int k) { return sheet_.ways_.stop(triangle[k]); }, -1, before_stop);
+                part_count = positive_parts(before_stop, below[i].from, below[i].to, parts);
+            }
+            for (int j = 0; j < part_count; ++j, ++count) {
+                from[count][lane] = static_cast<Real>(parts[j].from);
+                to[count][lane] = static_cast<Real>(parts[j].to);
+                kept[count][lane] = -1;
+            }
+        }
+        ++counts_.cut;
+    }
+    for (int i = 0; i < kMost; ++i) {
+        const Mask<Real> present = kept[i];
+        if (!any(present)) break;
+        take_piece(beam, present ? from[i] : enter, present ? to[i] : leave, present);
+    }
+}
+
+template <class Real>
+void ScatterQuery<Real>::take_piece(std::uint32_t beam, const L& enter, const L& leave,
+                                    const Mask<Real>& mask) {
+    counts_.intervals += static_cast<std::size_t>(__builtin_popcount(bits(mask)));
+    if (sheet_.ways_.shade(beam) & (Ways::kMixedAfter | Ways::kMixedBefore))
+        add_shadowed(beam, enter, leave, mask);
+    else
+        add_piece(enter, leave, mask);
+}
+
+template <class Real>
+void ScatterQuery<Real>::add_shadowed(std::uint32_t beam, const L& enter, const L& leave,
+                                      const Mask<Real>& mask) {
+    const std::uint8_t shade = sheet_.ways_.shade(beam);
+    const glm::dmat3& world_from_sheet = sheet_.coverage_.sheet().world_from_mesh;
+    for (int i = 0; i < kShadowParts; ++i) {
+        const auto at = [&](int k) {
+            return enter + (leave - enter) * (static_cast<Real>(k) / kShadowParts);
+        };
+        L light[3] = {};
+        target_ = &light;
+        const L from = at(i), to = at(i + 1), middle = Real(0.5) * (from + to);
+        add_piece(from, to, mask);
+        target_ = &radiance_;
+        const Node n = node(middle);
+        const L depth = multiply_add(middle, part_.half_depth, part_.depth);
+        for (unsigned lanes = bits(mask); lanes != 0; lanes &= lanes - 1) {
+            const int lane = __builtin_ctz(lanes);
+            const glm::dvec3 point(part_.a[lane] + middle[lane] * part_.half_a[lane],
+                                   part_.b[lane] + middle[lane] * part_.half_b[lane], depth[lane]);
+            const double below = static_cast<double>(depth[lane] - n.start[lane]);
+            const glm::dvec3 water = point - below * glm::dvec3(n.slope_a[lane], n.slope_b[lane], 1);
+            pairs_.push_back({lane, Vec3<Real>(light[0][lane], light[1][lane], light[2][lane]),
+                              glm::vec3(world_from_sheet * point), glm::vec3(world_from_sheet * water),
+                              (shade & Ways::kMixedAfter) && depth[lane] > sheet_.ways_.free_depth(beam),
+                              (shade & Ways::kMixedBefore) != 0});
+        }
+    }
+    if (pairs_.size() >= kPairsAtOnce) settle_pairs();
+}
+
+template <class Real>
+void ScatterQuery<Real>::settle_pairs() {
+    if (pairs_.empty()) return;
+    trace(true);
+    trace(false);
+    for (const Pair& pair : pairs_)
+        for (int c = 0; c < 3; ++c) radiance_[c][pair.lane] += pair.light[c];
+    pairs_.clear();
+}
+
+template <class Real>
+void ScatterQuery<Real>::trace(bool after) {
+    const glm::vec3 lamp(sheet_.coverage_.lamp());
+    const bool sun = direction_.to_sun != glm::vec3(0);
+    std::vector<rays::Ray> rays;
+    for (const Pair& pair : pairs_) {
+        if (after && pair.after)
+            rays.push_back({pair.point, 0, pair.water - pair.point, 1});
+        else if (!after && pair.before)
+            rays.push_back({pair.water, 0, sun ? direction_.to_sun : lamp - pair.water,
+                            sun ? std::numeric_limits<float>::infinity() : 1.0f});
+    }
+    if (rays.empty()) return;
+    std::vector<std::uint8_t> blocked(rays.size(), 0);
+    sheet_.coverage_.rays().occluded_by_objects(rays, blocked);
+    counts_.shadow_rays += rays.size();
+    std::size_t ray = 0;
+    std::erase_if(pairs_,
+                  [&](const Pair& pair) { return (after ? pair.after : pair.before) && blocked[ray++]; });
+}
+
+template void ScatterQuery<float>::run();
+template void ScatterQuery<double>::run();
+
+}  // namespace dapple::methods::sliced_beams

@@ -1,0 +1,120 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "methods/sliced_beams/beam_slices.h"
+#include "methods/sliced_beams/scatter_sheet.h"
+
+namespace dapple::methods::sliced_beams {
+
+/// Light beyond so many optical depths, e^-60 of it, is left out.
+constexpr double kOpaque = 60;
+
+/// One query of a ScatterSheet: finds the intervals of a group of segments in its beams (scatter_query.cpp)
+/// and adds up the light of each (scatter_piece.cpp).
+template <class Real>
+class ScatterQuery {
+public:
+    using L = Lanes<Real>;
+    using Ways = BeamWays<Real>;
+
+    ScatterQuery(const ScatterSheet<Real>& sheet, const SegmentLanes<Real>& segments,
+                 const LightDirection<Real>& direction, const EvenMedium<Real>& medium,
+                 const UnevenGroup<Real>* uneven, L (&radiance)[3], ScatterCounts& counts)
+        : sheet_(sheet),
+          segments_(segments),
+          direction_(direction),
+          medium_(medium),
+          uneven_(uneven),
+          radiance_(radiance),
+          target_(&radiance),
+          counts_(counts),
+          color_(sheet.coverage_.sheet().color),
+          scattered_(uneven ? uneven->phases.size() : 0) {}
+
+    void run();
+
+private:
+    void take_part(const L& from, const L& to, const Mask<Real>& met);
+
+    void add_beam(std::uint32_t beam, const Mask<Real>& met);
+
+    /// Whether all of the piece is below the surface, and before an object that stops the beam.
+    bool lies_free(std::uint32_t beam, const L& enter, const L& leave, const Mask<Real>& mask) const;
+
+    /// Takes what lies beyond the surface and before the stop, both linear over the beam's slices: a point
+    /// is, where a cubic, the edges' areas times the corners' distances, has the sign of the area.
+    void cut_piece(std::uint32_t beam, const L& enter, const L& leave, const Mask<Real>& mask);
+
+    void take_piece(std::uint32_t beam, const L& enter, const L& leave, const Mask<Real>& mask);
+
+    /// Where an object may stand among a beam's rays.
+    void add_shadowed(std::uint32_t beam, const L& enter, const L& leave, const Mask<Real>& mask);
+
+    void settle_pairs();
+
+    /// Drops the pairs that an object hides after the water, or before it.
+    void trace(bool after);
+
+    /// The ray through a point of the beam.
+    struct Node {
+        L path;     ///< m from the water to the point, and back to the segment's near end
+        L stretch;  ///< m of way a m of depth
+        L sine;     ///< of half the angle between the ways before and after
+        L slope_a, slope_b, start;
+    };
+    Node node(const L& t) const;
+
+    void add_piece(const L& enter, const L& leave, Mask<Real> mask);
+
+    /// Cut where nothing is left of the light, and into parts.
+    void add_thick(L enter, L leave, const L& from, const L& to, const Mask<Real>& mask);
+
+    /// Weights of the nodes for the integral over the interval's [-1, 1].
+    void weigh(const L& middle, const L& half, const Mask<Real>& mask, L (&weight)[3]);
+
+    void add_thin(const L& enter, const L& leave, const Mask<Real>& mask);
+
+    /// Most intervals are so short that hardly anything changes along them: there two nodes do. False: on
+    /// this one they do not.
+    bool add_even(const L& enter, const L& leave, const Mask<Real>& mask);
+
+    template <int kCount>
+    void sum_up(const Node (&nodes)[kCount], L (&weight)[kCount], const L& half, const Mask<Real>& mask);
+
+    /// One segment through bounded media: part by part of what it scatters, each with the exact integral of
+    /// one over the area and the rest in its middle.
+    void add_uneven(const L& enter, const L& leave, int lane);
+
+    void add_part(const SegmentScatter& scatter, std::size_t piece, double from, double to, int lane,
+                  double (&light)[3]);
+
+    const ScatterSheet<Real>& sheet_;
+    const SegmentLanes<Real>& segments_;
+    const LightDirection<Real>& direction_;
+    const EvenMedium<Real>& medium_;
+    const UnevenGroup<Real>* uneven_;
+    L (&radiance_)[3];
+    L (*target_)[3];  ///< of add_piece: radiance_, or what is to be tested first
+    ScatterCounts& counts_;
+    Vec3<Real> color_;
+
+    SegmentParts<Real> part_{};
+    L middle_{}, half_{};  ///< of the part, m along the segments
+    BeamCorner<Real> corner_[3];
+    BeamSlices<Real> slices_;
+    std::uint32_t beam_ = 0;
+    Real flux_ = 0;  ///< of the beam, doubled as its area is
+    /// Light of a part of an interval, if nothing stands in its way.
+    struct Pair {
+        int lane;
+        Vec3<Real> light;
+        glm::vec3 point, water;  ///< m, world axes relative to the frame's origin
+        bool after, before;
+    };
+    std::vector<Pair> pairs_;
+    std::vector<glm::dvec3> scattered_;  ///< a component, of one part
+};
+
+}  // namespace dapple::methods::sliced_beams
