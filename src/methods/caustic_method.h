@@ -85,7 +85,8 @@ public:
     /// segment. `radiance` has an entry a segment and holds 0. Called only where supports_volume() is not no.
     virtual void in_scatter(FrameContext&, const view::SegmentLayer&, std::span<glm::vec3>) {}
     /// What it can say of the last layer of in_scatter(), a value a pixel ("S.variance.R"); asked for (and
-    /// written to the picture) for sample 0, branch 0 only.
+    /// written to the picture) for sample 0, branch 0 only, and not at half resolution, where layers lack
+    /// pixels.
     virtual std::vector<DataLayer> in_scatter_data() { return {}; }
 };
 

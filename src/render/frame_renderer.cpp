@@ -178,7 +178,8 @@ private:
             plan_.half_volume ? at_half_resolution(segments, ask) : ask(segments);
         layer.volume_direct = seen(segments, radiance.direct);
         layer.volume_caustics = seen(segments, radiance.caustics);
-        if (plan_.volume_caustics && sample == 0 && branch == 0)
+        // At half resolution the method has something to say of some pixels only.
+        if (plan_.volume_caustics && !plan_.half_volume && sample == 0 && branch == 0)
             layer.volume_data = method_.in_scatter_data();
         return layer;
     }

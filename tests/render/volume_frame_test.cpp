@@ -183,5 +183,20 @@ TEST(VolumeFrame, HalfResolutionIsCloseAndAsksLess) {
     EXPECT_EQ(full.at("caustics.G", 6000), half.at("caustics.G", 6000)) << "surfaces are none of it";
 }
 
+/// At half resolution the method knows nothing of most pixels: 0 would say that they are certain.
+TEST(VolumeFrame, HalfResolutionWritesNoVarianceOfS) {
+    scene::FrameState state = murky_water();
+    state.clip.width = 9;
+    state.clip.height = 7;
+    state.water->extent.size = {12, 12};
+    state.caustics.method = "reference";
+    state.caustics.reference.standard_error = 10;  // one round
+    EXPECT_NE(render(state).image.find("S.variance.G"), nullptr);
+    state.caustics.volume_resolution = scene::VolumeResolution::half;
+    const Rendered half = render(state);
+    EXPECT_EQ(half.image.find("S.variance.G"), nullptr);
+    EXPECT_NE(half.image.find("E.variance.G"), nullptr);
+}
+
 }  // namespace
 }  // namespace dapple
