@@ -45,11 +45,11 @@ const Structure& phase_schema() {
                 .required(),
             number<&PhaseFunction::anisotropy>("anisotropy", Dimension::number,
                                                "mean cosine of the scattering angle; of the first lobe")
-                .range({-1, 1, true, true})
+                .within(-0.75, 0.99)
                 .only_for({"henyey_greenstein", kTwoLobe}),
             number<&PhaseFunction::back_anisotropy>("back_anisotropy", Dimension::number,
                                                     "mean cosine of the second lobe")
-                .range({-1, 1, true, true})
+                .within(-0.75, 0.99)
                 .only_for({kTwoLobe}),
             number<&PhaseFunction::forward_share>("forward_share", Dimension::number,
                                                   "of the light, that the first lobe takes")

@@ -277,6 +277,20 @@ TEST(Timeline, ReadsMedia) {
     EXPECT_EQ(state.caustics.sliced_beams.volume_sun_samples, 7);
 }
 
+/// Narrower peaks than all methods resolve are refused.
+TEST(Timeline, MeanCosinesAreBounded) {
+    const auto water = [](const std::string& value) {
+        return parse("water: {surface: {type: waves}, phase: {type: henyey_greenstein, anisotropy: " + value +
+                     "}}")
+            .at(1)
+            .water->phase.anisotropy;
+    };
+    EXPECT_EQ(water("0.99"), 0.99);
+    EXPECT_EQ(water("-0.75"), -0.75);
+    for (const std::string wrong : {"0.991", "-0.76", "1", "-1"})
+        EXPECT_THROW(water(wrong), TimelineError) << wrong;
+}
+
 TEST(Timeline, JerlovTypesGiveWhatIsNotGiven) {
     const auto water = [](const std::string& keys) {
         return *parse("water: {surface: {type: waves}" + keys + "}").at(1).water;
