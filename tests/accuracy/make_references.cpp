@@ -1,6 +1,7 @@
 // Makes the stored references of the figures of accuracy: make_references FOLDER [NAME...]. Names: floor
-// (own integration, see below), sloped_floor, curved_floor, column (the method `reference`). A file holds the
-// channel E for a sun of irradiance 1, and its own noise, a relative L1 norm, as the attribute `noise`.
+// (own integration, see below), sloped_floor, curved_floor, column, murky_column (the method `reference`). A
+// file holds the channel E (murky_column: S) for a sun of irradiance 1, and its own noise, a relative L1
+// norm, as the attribute `noise`.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "accuracy/scattered.h"
 #include "accuracy/scenes.h"
 #include "base/error.h"
 #include "base/hash.h"
@@ -24,10 +26,10 @@ namespace {
 using namespace dapple;
 
 void write(const std::string& folder, const std::string& name, int side, const std::vector<double>& values,
-           double noise) {
+           double noise, const char* channel = "E") {
     image::Image picture;
     picture.width = picture.height = side;
-    std::ranges::transform(values, picture.add("E").values.begin(),
+    std::ranges::transform(values, picture.add(channel).values.begin(),
                            [](double value) { return static_cast<float>(value); });
     char text[32];
     std::snprintf(text, sizeof text, "%.3e", noise);
@@ -229,6 +231,20 @@ void make_picture(const std::string& folder, const std::string& name, scene::Fra
     std::fflush(stdout);
 }
 
+/// Of light that media scatter.
+void make_scattered(const std::string& folder, const std::string& name, scene::FrameState state,
+                    double standard_error, gpu::Device& device) {
+    state.caustics.reference.standard_error = standard_error;
+    state.caustics.reference.most_rays = 4000;
+    methods::Reference method;
+    const test::ScatteredPicture picture = test::take_scattered(state, method, device);
+    const double noise =
+        std::sqrt(2 / std::numbers::pi) * picture.stats.counted("reference volume standard error");
+    write(folder, name, state.clip.width, picture.radiance, noise, "S");
+    std::printf("%.0f rays, %.0f s of CPU\n", picture.stats.counted("reference volume rays"), cpu_seconds());
+    std::fflush(stdout);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) try {
@@ -249,6 +265,7 @@ int main(int argc, char** argv) try {
         make_picture(folder, "sloped_floor", test::sloped_floor(cells), 0.008, device);
     if (wanted("curved_floor"))
         make_picture(folder, "curved_floor", test::curved_floor(cells), 0.008, device);
+    if (wanted("murky_column")) make_scattered(folder, "murky_column", test::murky_column(16), 0.004, device);
     if (wanted("column")) make_picture(folder, "column", test::column_in_pool(cells), 0.008, device);
     return 0;
 } catch (const std::exception& error) {
