@@ -53,9 +53,9 @@ FN real fournier_forand_within(real s, real n, real slope) {
     return (power - delta - (power - real(1.0)) * s) / e + back;
 }
 
-/// p grows without bound towards 0 as s^(-1 - nu), which can be integrated. Nearer than 2.4e-4 rad to straight
-/// on, s < 2^-26, directions that the cosine in float does not tell apart, p is its mean over that cone in
-/// closed form: no light is lost and nothing is infinite.
+/// p grows without bound towards 0 as s^(-1 - nu), which can be integrated. Nearer than 2.4e-4 rad to
+/// straight on, s < 2^-26, directions that the cosine in float does not tell apart, p is its mean over that
+/// cone in closed form: no light is lost and nothing is infinite.
 FN real fournier_forand_phase(real cosine, real n, real slope) {
     real least = real(1.4901161193847656e-8);
     real s = real(0.5) * (real(1.0) - cosine);
@@ -79,6 +79,6 @@ FN real fournier_forand_phase(real cosine, real n, real slope) {
         q = (rest - nu * e) / (e * e);
         r = (delta * rest - nu * e) / (e * e);
     }
-    return isotropic_phase() * (power * (r / s - q) + fournier_forand_back(scale, nu) *
-                                                          (real(3.0) * cosine * cosine - real(1.0)));
+    return isotropic_phase() * (power * (r / s - q) +
+                                fournier_forand_back(scale, nu) * (real(3.0) * cosine * cosine - real(1.0)));
 }

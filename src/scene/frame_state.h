@@ -126,8 +126,9 @@ struct PhotonSplattingParameters {
 
 struct SlicedBeamsParameters {
     int sun_samples = 1;  ///< equal parts of a sun's disc, each traced by its middle and widened by its size
-    /// Directions of a sun's disc that each camera segment in a medium is tried with; 1: the middle alone.
-    int volume_sun_samples = 4;
+    /// Directions of a sun's disc that each camera segment in a medium is lit from; those of a pixel's camera
+    /// samples differ, so that together they cover the disc.
+    int volume_sun_samples = 1;
     bool path_counts = true;  ///< whether light paths are counted: layers paths.count, paths.sign, fold
 };
 

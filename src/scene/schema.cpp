@@ -427,7 +427,8 @@ const Structure& caustics_schema() {
                 .only_for({"sliced_beams"}),
             integral<&Caustics::sliced_beams, &SlicedBeamsParameters::volume_sun_samples>(
                 "volume_sun_samples", FieldKind::integer,
-                "directions of a sun's disc that each camera segment in a medium is tried with")
+                "directions of a sun's disc that a camera path's way in media is lit from; a pixel's paths "
+                "have different ones")
                 .within(1, 1024)
                 .only_for({"sliced_beams"}),
             integral<&Caustics::sliced_beams, &SlicedBeamsParameters::path_counts>(

@@ -42,7 +42,7 @@ std::vector<LayerGroup> LayerSegments::groups(std::size_t block) const {
 }
 
 std::vector<glm::dvec2> disc_directions(int count, int sample, int samples) {
-    if (count <= 1) return {{0, 0}};
+    if (count * samples <= 1) return {{0, 0}};
     constexpr double golden = 0.6180339887498949;   // 1 / golden ratio
     constexpr double plastic = 0.7548776662466927;  // 1 / plastic number
     const double shift = (sample + 0.5) / std::max(1, samples);

@@ -34,7 +34,7 @@ private:
 
 /// Directions of a sun's disc for one camera sample, in the unit disc: `count` on a spiral of equal parts
 /// (Vogel 1979), turned and shrunk by the sample, so that those of a pixel's samples cover the disc evenly;
-/// the middle where one is asked for.
+/// the middle where a pixel has one in all.
 std::vector<glm::dvec2> disc_directions(int count, int sample, int samples);
 
 }  // namespace dapple::methods::sliced_beams

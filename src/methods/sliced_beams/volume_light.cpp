@@ -29,9 +29,11 @@ std::vector<VolumeLight::Direction> VolumeLight::directions(const view::SegmentL
     for (std::size_t i = 0; i < sheets_.size(); ++i) {
         if (sheets_[i]->coverage().sheet().in_water() != in_water) continue;
         // The parts of the disc that have sheets of their own are directions already.
-        const int count = sheets_[i]->coverage().blurs()
-                              ? std::max(1, wanted / state.caustics.sliced_beams.sun_samples)
-                              : 1;
+        if (!sheets_[i]->coverage().blurs()) {
+            all.push_back({i, sheets_[i]->direction({0, 0}), 1});
+            continue;
+        }
+        const int count = std::max(1, wanted / state.caustics.sliced_beams.sun_samples);
         for (const glm::dvec2& d : disc_directions(count, layer.sample, state.clip.samples))
             all.push_back({i, sheets_[i]->direction(d), 1 / static_cast<float>(count)});
     }
