@@ -159,7 +159,6 @@ TEST(Scatter, PiecesCoverPointsAsOftenAsPathsMeetThem) {
 }
 
 TEST(Scatter, AllOfTheFluxIsFoundOnEveryPlane) {
-    // X
     scene::FrameScene scene = test::scene_of_water({2, 2}, 60, 60, sea(3));
     scene.state.lights = {test::sun_from_zenith(0)};
     scene.state.water->scattering = {0.1, 0.2, 0.3};
@@ -238,7 +237,6 @@ TEST(Scatter, BoxesCastSharpVolumetricShadows) {
     const Scattered lit = scattered(open, free, ends);
     double share[9];
     for (std::size_t i = 0; i < ends.size(); ++i) share[i] = result.values[i].x / lit.values[i].x;
-    for (int i = 0; i < 9; ++i) printf("segment %d: %.4f of the light\n", i, share[i]);
     EXPECT_EQ(share[0], 0);
     EXPECT_EQ(share[1], 0);
     EXPECT_NEAR(share[2], 1, 1e-5);
@@ -251,6 +249,8 @@ TEST(Scatter, BoxesCastSharpVolumetricShadows) {
     EXPECT_GT(result.counts.shadow_rays, 0u);
     // With the sun's disc the umbrae narrow by its radius and stay dark.
     open.state.lights[0].angular_diameter = scene.state.lights[0].angular_diameter = 0.53 * scene::kDegree;
+    open.state.caustics.sliced_beams.volume_sun_samples = 4;
+    scene.state.caustics.sliced_beams.volume_sun_samples = 4;
     const SheetSet<float> wide(scene, Event::transmission, 6), wide_free(open, Event::transmission, 6);
     const Scattered soft = scattered(scene, wide, ends), soft_lit = scattered(open, wide_free, ends);
     EXPECT_EQ(soft.values[0].x, 0);
@@ -287,7 +287,7 @@ TEST(Scatter, HardCasesStayFinite) {
         for (const glm::dvec3& value : result.values) {
             for (int c = 0; c < 3; ++c) {
                 EXPECT_TRUE(std::isfinite(value[c]));
-                EXPECT_GE(value[c], -1e-6 * value[c]);
+                EXPECT_GE(value[c], 0);
             }
         }
         return result;

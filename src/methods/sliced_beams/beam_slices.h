@@ -115,7 +115,7 @@ inline void visit_pieces(const BeamSlices<Real>& beam, Mask<Real> wanted, Visit&
         const L r1 = q / c2, r2 = c0 / q;
         const auto in1 = real & (magnitude(r1) < one), in2 = real & (magnitude(r2) < one);
         cut[cuts++] = in2 ? r2 : (in1 ? r1 : one);
-        if (any(wanted & in1 & in2)) second[seconds++] = in1 & in2 ? r1 : one;
+        if (any(wanted & in1 & in2)) second[seconds++] = (in1 & in2) ? r1 : one;
     }
     for (int k = 0; k < seconds; ++k) cut[cuts++] = second[k];
     for (int i = 1; i < cuts; ++i) {  // ascending

@@ -65,8 +65,8 @@ inline void clip(Lanes<Real> c0, Lanes<Real> c1, Lanes<Real>& from, Lanes<Real>&
     c1 += Lanes<Real>{};  // no -0, whose quotient would have the wrong sign
     const Lanes<Real> root = -c0 / c1;
     const auto rising = c1 >= 0;
-    from = rising & (root > from) ? root : from;
-    to = ~rising & (root < to) ? root : to;
+    from = (rising & (root > from)) ? root : from;
+    to = (~rising & (root < to)) ? root : to;
 }
 
 template <class Real>

@@ -158,7 +158,7 @@ void ScatterQuery<Real>::sum_up(const Node (&nodes)[kCount], L (&weight)[kCount]
         sum *= medium_.scattering[channel] * color_[channel];
         const auto finite = (sum - sum) == 0;
         counts_.dropped += static_cast<std::size_t>(__builtin_popcount(bits(mask & ~finite)));
-        (*target_)[channel] += mask & finite ? sum : L{};
+        (*target_)[channel] += (mask & finite) ? sum : L{};
     }
 }
 
