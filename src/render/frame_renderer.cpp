@@ -199,6 +199,7 @@ private:
 
     void render_layers(std::vector<TracedLayer> traced) {
         std::vector<view::ReceiverLayer> layers;
+        layers.reserve(traced.size());
         for (TracedLayer& layer : traced) layers.push_back(std::move(layer.receivers));
         std::vector<methods::LayerResult> results;
         results.reserve(layers.size());

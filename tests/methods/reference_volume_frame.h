@@ -92,8 +92,8 @@ inline std::vector<double> over_pixels(
             double sum = 0;
             for (int k = 0; k < points * points; ++k) {
                 glm::dvec3 origin, direction;
-                camera.ray({x + (k % points + 0.5) / points, y + (k / points + 0.5) / points}, origin,
-                           direction);
+                const int column = k % points, row = k / points;
+                camera.ray({x + (column + 0.5) / points, y + (row + 0.5) / points}, origin, direction);
                 sum += radiance(origin, direction);
             }
             means.push_back(sum / (points * points));

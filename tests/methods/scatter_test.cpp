@@ -283,7 +283,7 @@ TEST(Scatter, HardCasesStayFinite) {
             ends.push_back({{x, -0.1, 0}, {0, -focus, 0}});       // along a beam, to the focus
             ends.push_back({{x, -0.1, x}, {x, -0.1 - 1e-7, x}});  // of hardly any length
         }
-        const Scattered result = scattered(scene, set, ends);
+        Scattered result = scattered(scene, set, ends);
         for (const glm::dvec3& value : result.values) {
             for (int c = 0; c < 3; ++c) {
                 EXPECT_TRUE(std::isfinite(value[c]));

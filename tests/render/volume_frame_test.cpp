@@ -60,8 +60,8 @@ TEST(VolumeFrame, OfEvenWaterUnderTheSunIsItsClosedForm) {
     const double facing = test::flat_floor(40, 1, index).irradiance / cos_t;
     for (std::size_t pixel = 0; pixel < std::size_t{kWidth} * kHeight; ++pixel) {
         glm::dvec3 origin, way;
-        camera.ray({static_cast<double>(pixel % kWidth) + 0.5, static_cast<double>(pixel / kWidth) + 0.5},
-                   origin, way);
+        const std::size_t column = pixel % kWidth, row = pixel / kWidth;
+        camera.ray({static_cast<double>(column) + 0.5, static_cast<double>(row) + 0.5}, origin, way);
         const auto seen = [&](const glm::dvec3& direction, double depth, double length, int c) {
             const double sigma = state.water->extinction()[c];
             const double g = 0.6, cosine = -dot(light, direction);

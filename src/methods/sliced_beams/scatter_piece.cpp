@@ -1,6 +1,7 @@
 // The light of one interval of a segment in a beam: the rest of ScatterQuery.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "methods/sliced_beams/exponential.h"
 #include "methods/sliced_beams/scatter_query.h"
@@ -156,7 +157,7 @@ void ScatterQuery<Real>::sum_up(const Node (&nodes)[kCount], L (&weight)[kCount]
         L sum{};
         for (int j = 0; j < kCount; ++j) sum += weight[j] * decay(greater(extinction * nodes[j].path, L{}));
         sum *= medium_.scattering[channel] * color_[channel];
-        const auto finite = (sum - sum) == 0;
+        const auto finite = magnitude(sum) <= std::numeric_limits<Real>::max();
         counts_.dropped += static_cast<std::size_t>(__builtin_popcount(bits(mask & ~finite)));
         (*target_)[channel] += (mask & finite) ? sum : L{};
     }
