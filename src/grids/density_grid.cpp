@@ -339,8 +339,6 @@ DensityGrid::Reader::Reader(const DensityGrid& grid) {
     if (!grid.empty()) state_ = new (room_.data()) State(static_cast<const NanoDensityGrid&>(grid));
 }
 
-DensityGrid::Reader::~Reader() = default;
-
 float DensityGrid::Reader::voxel(glm::ivec3 at) {
     return state_ ? state_->accessor.getValue(coord(at)) : 0.0F;
 }

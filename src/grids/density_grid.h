@@ -63,7 +63,6 @@ public:
     class Reader {
     public:
         explicit Reader(const DensityGrid& grid);
-        ~Reader();
         Reader(const Reader&) = delete;
         Reader& operator=(const Reader&) = delete;
         /// Of a voxel; 0 where there is none.

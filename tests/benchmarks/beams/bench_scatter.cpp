@@ -60,7 +60,8 @@ view::SegmentLayer segments(const scene::FrameState& state) {
     layer.height = kHeight;
     for (int i = 0; i < kWidth * kHeight; ++i) {
         glm::dvec3 origin, direction;
-        view.ray({i % kWidth + 0.5, i / kWidth + 0.5}, origin, direction);
+        const int column = i % kWidth, row = i / kWidth;
+        view.ray({column + 0.5, row + 0.5}, origin, direction);
         const glm::dvec3 low(-2.5, -2, -2.5), high(2.5, 0, 2.5);
         const glm::dvec3 to = glm::mix(low, high, glm::greaterThan(direction, glm::dvec3(0)));
         const glm::dvec3 far = (to - origin) / direction;
