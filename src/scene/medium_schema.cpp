@@ -8,7 +8,6 @@ namespace {
 
 using namespace build;
 
-constexpr double kMostFile = 2147483647;
 constexpr double kMostStep = 1000;
 
 const Structure& phase_sample_schema() {
@@ -110,11 +109,11 @@ const Structure& medium_schema() {
                 .only_for({kGrid}),
             integral<&Medium::first_file>("first_file", FieldKind::integer,
                                           "number of the file shown at the clip's first frame")
-                .within(0, kMostFile)
+                .within(0, kMost)
                 .only_for({kGrid}),
             integral<&Medium::last_file>("last_file", FieldKind::integer,
                                          "after it the sequence holds or begins again")
-                .within(0, kMostFile)
+                .within(0, kMost)
                 .only_for({kGrid}),
             number<&Medium::step>("step", Dimension::number, "files a frame; the last that began is shown")
                 .within(0, kMostStep)

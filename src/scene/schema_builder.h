@@ -1,15 +1,25 @@
 #pragma once
+#include <algorithm>
 #include <glm/glm.hpp>
 #include <initializer_list>
 #include <string>
+#include <string_view>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 #include "scene/schema.h"
 
-/// Makes the rows of the table in schema.cpp from pointers to members. `number<&Water::surface,
+/// Makes the rows of the tables of keys from pointers to members. `number<&Water::surface,
 /// &WaterSurface::spectrum, &Spectrum::fetch>(...)` reaches through nested structs.
 namespace dapple::scene::build {
+
+inline constexpr double kMost = 2147483647;            // cells, photons, files: what fits an int
+inline constexpr double kMostSeed = 9007199254740992;  // 2^53
+
+inline bool has(const std::vector<std::string_view>& given, std::string_view key) {
+    return std::find(given.begin(), given.end(), key) != given.end();
+}
 
 template <class Class, class Member>
 Class class_of(Member Class::*);

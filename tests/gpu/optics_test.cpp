@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <vector>
 
 #include "base/hash.h"
@@ -60,22 +61,30 @@ float largest(vec3 v) {
     return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
 }
 
-TEST(OpticsOnTheDevice, AgreesWithCpp) {
-    namespace cpp = optics::f32;
+/// What a shader of one input and one output an invocation makes of the inputs.
+template <class Output, class Input>
+std::vector<Output> on_the_device(const char* name, std::span<const std::uint32_t> shader,
+                                  const std::vector<Input>& given) {
     Device& device = test::validated_device();
-    const std::vector<RefractionInput> given = inputs();
-    Buffer in(device, "inputs", given.size() * sizeof(RefractionInput));
-    Buffer out(device, "outputs", given.size() * sizeof(RefractionOutput));
-    std::copy(given.begin(), given.end(), in.as<RefractionInput>().begin());
-    const ComputePipeline pipeline(device, "refraction", test_refraction_comp,
-                                   {.storage_buffers = 2, .push_bytes = 4});
+    Buffer in(device, "inputs", given.size() * sizeof(Input));
+    Buffer out(device, "outputs", given.size() * sizeof(Output));
+    std::copy(given.begin(), given.end(), in.as<Input>().begin());
+    const ComputePipeline pipeline(device, name, shader, {.storage_buffers = 2, .push_bytes = 4});
     Bindings bindings{.buffers = {&in, &out}, .writes = {&out}};
     const auto count = static_cast<std::uint32_t>(given.size());
     bindings.set_push(count);
     PassList passes(device);
     FrameStats stats;
-    passes.compute("refraction", pipeline, bindings, {(count + 63) / 64, 1, 1});
+    passes.compute(name, pipeline, bindings, {(count + 63) / 64, 1, 1});
     passes.run(stats);
+    const std::span<const Output> results = out.as<Output>();
+    return {results.begin(), results.end()};
+}
+
+TEST(OpticsOnTheDevice, AgreesWithCpp) {
+    namespace cpp = optics::f32;
+    const std::vector<RefractionInput> given = inputs();
+    const auto out = on_the_device<RefractionOutput>("refraction", test_refraction_comp, given);
 
     // Additions, products and roots of IEEE arithmetic in the same order give the same values everywhere. A
     // device may contract a product and a sum, and divide and take roots within 2.5 and 3 ulp (Vulkan,
@@ -86,7 +95,7 @@ TEST(OpticsOnTheDevice, AgreesWithCpp) {
     int total_reflections = 0;
     for (std::size_t i = 0; i < given.size(); ++i) {
         const RefractionInput& input = given[i];
-        const RefractionOutput& result = out.as<RefractionOutput>()[i];
+        const RefractionOutput& result = out[i];
         const double cosine = glm::dot(glm::dvec3(input.incident), glm::dvec3(input.normal));
         const double sin_t = double{input.eta} * std::sqrt((1 - cosine) * (1 + cosine));
         vec3 refracted;
@@ -117,28 +126,17 @@ TEST(OpticsOnTheDevice, AgreesWithCpp) {
 
 TEST(OpticsOnTheDevice, PhaseFunctionsAgreeWithCpp) {
     namespace cpp = optics::f32;
-    Device& device = test::validated_device();
     std::vector<PhaseInput> given;
     for (const vec3 kind :
          {vec3(0, 1.1, 3.5835), vec3(0.9, 1.02, 3.3), vec3(-0.7, 1.2, 4.5), vec3(0.5, 1.35, 3.1)})
         for (int i = 0; i <= 2000; ++i)
             given.push_back({static_cast<float>(std::cos(M_PI * i / 2000)), kind.x, kind.y, kind.z});
-    Buffer in(device, "inputs", given.size() * sizeof(PhaseInput));
-    Buffer out(device, "outputs", given.size() * sizeof(PhaseOutput));
-    std::copy(given.begin(), given.end(), in.as<PhaseInput>().begin());
-    const ComputePipeline pipeline(device, "phase", test_phase_comp, {.storage_buffers = 2, .push_bytes = 4});
-    Bindings bindings{.buffers = {&in, &out}, .writes = {&out}};
-    const auto count = static_cast<std::uint32_t>(given.size());
-    bindings.set_push(count);
-    PassList passes(device);
-    FrameStats stats;
-    passes.compute("phase", pipeline, bindings, {(count + 63) / 64, 1, 1});
-    passes.run(stats);
+    const auto out = on_the_device<PhaseOutput>("phase", test_phase_comp, given);
 
     float lobes = 0, ocean = 0, within = 0;
     for (std::size_t i = 0; i < given.size(); ++i) {
         const PhaseInput& input = given[i];
-        const PhaseOutput& result = out.as<PhaseOutput>()[i];
+        const PhaseOutput& result = out[i];
         const auto apart = [](float a, float b) { return std::abs(a / b - 1); };
         ASSERT_EQ(result.isotropic, cpp::isotropic_phase());
         lobes = std::max(

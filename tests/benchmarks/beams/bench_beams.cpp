@@ -15,6 +15,7 @@
 #include "methods/sliced_beams/point_query.h"
 #include "methods/sliced_beams/sheet_coverage.h"
 #include "ocean/water_surface.h"
+#include "spiral_sea.h"
 #include "view/camera.h"
 
 namespace {
@@ -27,8 +28,6 @@ using methods::sliced_beams::SheetCoverage;
 
 constexpr int kSide = 1024;
 
-/// Lengths from `shortest` to `longest`, m, in equal ratios, amplitude 0.0032 of the length, in all
-/// directions.
 scene::FrameState sea(int cells, double shortest, double longest) {
     scene::FrameState state;
     state.clip.width = state.clip.height = kSide;
@@ -36,16 +35,7 @@ scene::FrameState sea(int cells, double shortest, double longest) {
     scene::Water& water = state.water.emplace();
     water.extent.size = {12, 12};
     water.mesh_cells = cells;
-    for (int i = 0; i < 24; ++i) {
-        scene::Wave wave;
-        wave.length = shortest * std::pow(longest / shortest, i / 23.0);
-        wave.heading = 2.399963229728653 * i;
-        wave.amplitude = 0.0032 * wave.length;
-        wave.phase = 1.7 * i * i;
-        const double k = 2 * 3.141592653589793 / wave.length;
-        wave.wave_vector = k * glm::dvec2(std::cos(wave.heading), std::sin(wave.heading));
-        water.surface.waves.waves.push_back(wave);
-    }
+    bench::add_waves(water, shortest, longest, 0.0032);
     scene::Light sun;
     sun.direction = glm::normalize(glm::dvec3(0.5, -0.8660254, 0));
     sun.angular_diameter = 0;

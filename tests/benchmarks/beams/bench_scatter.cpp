@@ -11,6 +11,7 @@
 #include "light/water_beams.h"
 #include "methods/sliced_beams/volume_light.h"
 #include "ocean/water_surface.h"
+#include "spiral_sea.h"
 #include "view/camera.h"
 
 namespace {
@@ -32,16 +33,7 @@ scene::FrameScene pool(int cells) {
     water.absorption = {0.35, 0.06, 0.03};
     water.scattering = {0.1, 0.1, 0.1};
     water.phase.type = scene::PhaseType::henyey_greenstein;
-    for (int i = 0; i < 24; ++i) {
-        scene::Wave wave;
-        wave.length = 0.25 * std::pow(8.0, i / 23.0);
-        wave.heading = 2.399963229728653 * i;
-        wave.amplitude = 0.006 * wave.length;
-        wave.phase = 1.7 * i * i;
-        const double k = 2 * 3.141592653589793 / wave.length;
-        wave.wave_vector = k * glm::dvec2(std::cos(wave.heading), std::sin(wave.heading));
-        water.surface.waves.waves.push_back(wave);
-    }
+    bench::add_waves(water, 0.25, 2, 0.006);
     scene::Light sun;
     sun.direction = glm::normalize(glm::dvec3(0.5, -0.8660254, 0));
     state.lights.push_back(sun);
