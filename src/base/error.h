@@ -29,7 +29,8 @@ private:
     ExitCode code_;
 };
 
-/// A library's own message, made safe to print: control characters become spaces, and what passes 1023 bytes is cut.
+/// A library's own message, made safe to print: control characters become spaces, and what passes 1023 bytes
+/// is cut.
 std::string clipped(const std::string& library_message);
 
 }  // namespace dapple

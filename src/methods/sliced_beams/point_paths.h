@@ -17,8 +17,8 @@ struct PointPath {
     std::string chain;       ///< "sun > water:T"
     glm::dvec3 water_point;  ///< m, world, where the light leaves the water surface
     glm::dvec3 direction;    ///< unit, of travel after the event
-    /// W/m^2 a channel, on the receiver's plane, after the water's extinction, as if nothing stood in the way: the mean
-    /// over the landed beam.
+    /// W/m^2 a channel, on the receiver's plane, after the water's extinction, as if nothing stood in the
+    /// way: the mean over the landed beam.
     glm::dvec3 irradiance;
     /// det J: signed area of the beam's slice across the sheet's axis at the point over that of its facet
     /// seen along the axis; 1 just below the water.
