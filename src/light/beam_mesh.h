@@ -10,13 +10,17 @@ namespace dapple::light {
 
 enum class Event { transmission, reflection };
 
-/// One kind of light path: from a light (index into FrameState::lights) through one event at the water.
+constexpr int kWater = -1;  ///< of a chain: its event happens at the water
+
+/// One kind of light path: from a light (index into FrameState::lights) through a first specular event, at
+/// the water or at an object of glass (index into FrameState::objects).
 struct Chain {
     int light = 0;
     Event event = Event::transmission;
+    int object = kWater;
 };
 
-/// "sun > water:T": the light by its name, or as "lights[2]" where it has none.
+/// "sun > water:T", "sun > ball:R": light and object by name, or as "lights[2]" where they have none.
 std::string chain_name(const scene::FrameState& state, Chain chain);
 
 /// Light rays just after one chain of events from one light: a grid whose vertices are rays ("photons") and

@@ -73,6 +73,9 @@ public:
     /// Whether it covers receivers that the camera sees through or by a specular surface; layers without any
     /// other receiver are not handed to a method that does not.
     virtual bool serves_behind_specular() const { return false; }
+    /// Whether it follows light through objects of glass: chains that begin there are handed to it, and light
+    /// that the water sends on goes through them. For other methods glass casts shadows as objects do.
+    virtual bool follows_glass() const { return false; }
     /// Memory that it needs beside the scene, in bytes.
     virtual std::size_t bytes(const scene::FrameState& state, std::size_t pixels) const = 0;
     /// Light side, once a frame.

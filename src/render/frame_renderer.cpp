@@ -31,7 +31,7 @@ constexpr std::size_t kLayerBytes = 6 * sizeof(glm::vec3) + 2 * sizeof(std::uint
 
 /// A segment, as it is recorded and as the layer keeps it, and what is found for it; segments a pixel where
 /// the camera sees through the water's surface.
-constexpr std::size_t kSegmentBytes = sizeof(view::PathPiece) + 9 * sizeof(glm::vec3) + 2 * sizeof(float) + 1;
+constexpr std::size_t kSegmentBytes = sizeof(view::PathPiece) + 9 * sizeof(glm::vec3) + 2 * sizeof(float) + 2;
 constexpr std::size_t kSegmentsAPixel = 2;
 
 /// Of the water: positions and normals in double, and what is needed beside them while they are made; indices

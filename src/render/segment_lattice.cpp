@@ -102,6 +102,7 @@ view::SegmentLayer segments_of(const view::SegmentLayer& layer, const std::vecto
     copy(layer.direction, part.direction);
     copy(layer.length, part.length);
     copy(layer.in_water, part.in_water);
+    copy(layer.primary, part.primary);
     copy(layer.throughput, part.throughput);
     copy(layer.spread_u_origin, part.spread_u_origin);
     copy(layer.spread_u_direction, part.spread_u_direction);

@@ -100,6 +100,11 @@ struct Material {
     std::string texture;              ///< path (EXR or PNG), empty: none; multiplies `color`
     double texture_size = 1;          ///< m that one repeat of the texture covers (planes, boxes, spheres)
     bool mirror = false;              ///< perfect specular reflector of `color`
+    /// A smooth dielectric: the object is a closed body of it, and has neither colour nor texture. What lies
+    /// about it (air or water) ends at its surface; bodies of glass do not overlap.
+    bool glass = false;
+    double refractive_index = 1.5;         ///< of glass, against air
+    glm::dvec3 absorption{0.0, 0.0, 0.0};  ///< /m, a channel, inside glass
 };
 
 /// Shapes at the origin: a plane faces +y and measures size.x by size.z; a box measures `size`, centred; a
@@ -132,6 +137,15 @@ struct SlicedBeamsParameters {
     bool path_counts = true;  ///< whether light paths are counted: layers paths.count, paths.sign, fold
 };
 
+struct AdaptiveBeamsParameters {
+    int grid = 16;        ///< cells along each side of a light's view before any is split
+    int levels = 3;       ///< times that a cell may be split
+    int sun_samples = 1;  ///< equal parts of a sun's disc, each traced by its middle
+    /// One area function a beam, scan plane and mid-point, point-in-beam surface term, as in Liktor and
+    /// Dachsbacher 2011; else exact intervals and an area function a vertex.
+    bool paper_faithful = false;
+};
+
 struct ReferenceParameters {
     /// Rays are added until the mean over pixels of E's standard error, over the mean of E, is below this.
     double standard_error = 0.01;
@@ -145,6 +159,7 @@ struct Caustics {
     std::string method = "sliced_beams";
     VolumeResolution volume_resolution = VolumeResolution::full;
     SlicedBeamsParameters sliced_beams;
+    AdaptiveBeamsParameters adaptive_beams;
     ReferenceParameters reference;
     PhotonSplattingParameters photon_splatting;
 };

@@ -14,7 +14,8 @@ namespace {
 using namespace build;
 
 constexpr double kMostPixels = 16384;  // along a side: what Vulkan devices and picture readers take
-constexpr std::array<std::string_view, 3> kCausticMethods{"sliced_beams", "photon_splatting", "reference"};
+constexpr std::array<std::string_view, 4> kCausticMethods{"sliced_beams", "photon_splatting", "reference",
+                                                          "adaptive_beams"};
 
 /// A vector of length 0 stays: checks find it where the timeline is read.
 glm::dvec3 direction_of(const glm::dvec3& v) {
@@ -140,6 +141,16 @@ const Structure& material_schema() {
                 .above(0),
             integral<&Material::mirror>("mirror", FieldKind::boolean,
                                         "reflects like a mirror, tinted by the colour"),
+            integral<&Material::glass>(
+                "glass", FieldKind::boolean,
+                "a body of clear glass (or another smooth dielectric), without colour"),
+            number<&Material::refractive_index>("refractive_index", Dimension::number,
+                                                "of glass, against air")
+                .within(1, 4),
+            number<&Material::absorption>("absorption", Dimension::per_length,
+                                          "inside glass, red, green, blue")
+                .at_least(0)
+                .one_for_all(),
         },
         "",
         {},
@@ -169,7 +180,7 @@ const Structure& object_schema() {
                                                           "along x, y, z; one for a sphere")
                 .above(0)
                 .one_for_all(),
-            structure<&Object::material>("material", material_schema(), "diffuse, or a mirror"),
+            structure<&Object::material>("material", material_schema(), "diffuse, a mirror, or glass"),
         },
         "shape",
         {},
@@ -237,6 +248,22 @@ const Structure& caustics_schema() {
                 "path_counts", FieldKind::boolean,
                 "whether light paths are counted: the layers paths.count, paths.sign and fold")
                 .only_for({"sliced_beams"}),
+            integral<&Caustics::adaptive_beams, &AdaptiveBeamsParameters::grid>(
+                "grid", FieldKind::integer, "cells along each side of a light's view before any is split")
+                .within(1, 1024)
+                .only_for({"adaptive_beams"}),
+            integral<&Caustics::adaptive_beams, &AdaptiveBeamsParameters::levels>(
+                "levels", FieldKind::integer, "times that a cell may be split")
+                .within(0, 8)
+                .only_for({"adaptive_beams"}),
+            integral<&Caustics::adaptive_beams, &AdaptiveBeamsParameters::sun_samples>(
+                "sun_samples", FieldKind::integer, "equal parts of a sun's disc, each traced by its middle")
+                .within(1, 1024)
+                .only_for({"adaptive_beams"}),
+            integral<&Caustics::adaptive_beams, &AdaptiveBeamsParameters::paper_faithful>(
+                "paper_faithful", FieldKind::boolean,
+                "as Liktor and Dachsbacher 2011: one area function a beam, scan plane, mid-point")
+                .only_for({"adaptive_beams"}),
             number<&Caustics::reference, &ReferenceParameters::standard_error>(
                 "standard_error", Dimension::number,
                 "of E, mean over pixels over the mean of E, at which it ends")

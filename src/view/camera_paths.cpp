@@ -333,8 +333,9 @@ void LayerTracer::note_piece(const Path& path, double distance, bool in_water) c
     const std::size_t width = static_cast<std::size_t>(layer_.width);
     const std::size_t tile = path.pixel / width / kTileSize * static_cast<std::size_t>(tiles_across_) +
                              path.pixel % width / kTileSize;
-    recorder_->record(tile, {path.pixel, path.origin, path.direction, distance, in_water, path.throughput,
-                             path.origin_du, path.origin_dv, path.direction_du, path.direction_dv});
+    recorder_->record(
+        tile, {path.pixel, path.origin, path.direction, distance, in_water, path.events == 0, path.throughput,
+               path.origin_du, path.origin_dv, path.direction_du, path.direction_dv});
 }
 
 void LayerTracer::end_in_environment(const Path& path) const {

@@ -20,6 +20,7 @@ struct SegmentLayer {
     std::vector<glm::vec3> direction;  ///< unit, away from the camera
     std::vector<float> length;         ///< m, finite: cut where nothing beyond it could be seen
     std::vector<std::uint8_t> in_water;
+    std::vector<std::uint8_t> primary;  ///< 1 where nothing specular lies between the camera and the piece
     /// Of the path from the pixel to the near end: Fresnel, mirrors, extinction, n^2. What a pixel receives
     /// from the piece is throughput times S.
     std::vector<glm::vec3> throughput;

@@ -86,6 +86,7 @@ void SegmentRecorder::write(int width, int height, SegmentLayer& layer) const {
     }
     layer.length.resize(count);
     layer.in_water.resize(count);
+    layer.primary.resize(count);
     std::vector<std::uint32_t> next(layer.first.begin(), layer.first.end() - 1);
     for (const auto& tile : pieces_) {
         for (const PathPiece& piece : tile) {
@@ -94,6 +95,7 @@ void SegmentRecorder::write(int width, int height, SegmentLayer& layer) const {
             layer.direction[i] = glm::vec3(piece.direction);
             layer.length[i] = static_cast<float>(piece.length);
             layer.in_water[i] = piece.in_water ? 1 : 0;
+            layer.primary[i] = piece.primary ? 1 : 0;
             layer.throughput[i] = glm::vec3(piece.throughput);
             layer.spread_u_origin[i] = glm::vec3(piece.origin_du);
             layer.spread_u_direction[i] = glm::vec3(piece.direction_du);

@@ -18,7 +18,8 @@ struct PathPiece {
     glm::dvec3 direction{0};  ///< unit, away from the camera
     double length = 0;        ///< m; infinite where the path leaves the scene
     bool in_water = false;
-    glm::dvec3 throughput{0};                                                 ///< from the pixel to `origin`
+    bool primary = true;       ///< no specular event before `origin`
+    glm::dvec3 throughput{0};  ///< from the pixel to `origin`
     glm::dvec3 origin_du{0}, origin_dv{0}, direction_du{0}, direction_dv{0};  ///< by pixel x and y
 };
 

@@ -163,6 +163,7 @@ TEST_P(ScatterFlat, ABoxOfMediumInClearWaterIsThickWater) {
         layer.direction.emplace_back(s.direction);
         layer.length.push_back(static_cast<float>(s.length));
         layer.in_water.push_back(1);
+        layer.primary.push_back(1);
     }
     layer.first.push_back(static_cast<std::uint32_t>(layer.origin.size()));
     std::vector<glm::vec3> radiance(segments.size(), glm::vec3(0));

@@ -54,6 +54,7 @@ Scattered scattered(const scene::FrameScene& scene, const SheetSet<float>& set, 
         layer.direction.emplace_back(glm::normalize(to - from));
         layer.length.push_back(static_cast<float>(glm::length(to - from)));
         layer.in_water.push_back(from.y + to.y < 0 ? 1 : 0);
+        layer.primary.push_back(1);
     }
     layer.first.push_back(static_cast<std::uint32_t>(layer.origin.size()));
     FrameStats stats;

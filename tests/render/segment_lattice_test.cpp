@@ -22,6 +22,7 @@ view::SegmentLayer parallel_segments(int width, int height, const Length& length
             layer.direction.emplace_back(0, 0, -1);
             layer.length.push_back(static_cast<float>(length(x, y)));
             layer.in_water.push_back(1);
+            layer.primary.push_back(1);
             layer.throughput.emplace_back(1);
             for (auto* spread : {&layer.spread_u_origin, &layer.spread_u_direction, &layer.spread_v_origin,
                                  &layer.spread_v_direction})

@@ -29,6 +29,7 @@ struct LitSegments {
         layer.direction.emplace_back(glm::normalize(direction));
         layer.length.push_back(static_cast<float>(length));
         layer.in_water.push_back(in_water ? 1 : 0);
+        layer.primary.push_back(1);
         layer.throughput.emplace_back(1);
         for (auto* spread : {&layer.spread_u_origin, &layer.spread_u_direction, &layer.spread_v_origin,
                              &layer.spread_v_direction})

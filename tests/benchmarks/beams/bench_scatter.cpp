@@ -62,6 +62,7 @@ view::SegmentLayer segments(const scene::FrameState& state) {
         layer.direction.emplace_back(direction);
         layer.length.push_back(static_cast<float>(std::min({far.x, far.y, far.z})));
         layer.in_water.push_back(1);
+        layer.primary.push_back(1);
     }
     layer.first.push_back(kWidth * kHeight);
     return layer;
