@@ -21,7 +21,7 @@ struct ProcessOutput {
 ProcessOutput run_reader(const std::vector<std::string>& arguments, double most_seconds,
                          std::size_t most_text);
 
-/// Path of dapple-read-vdb: beside this program, or else where it was built.
+/// Path of dapple-read-vdb: beside this program, as installed, or else where it was built.
 std::string reader_program();
 
 }  // namespace dapple::grids

@@ -10,6 +10,7 @@
 #include "base/checked_file.h"
 #include "base/error.h"
 #include "base/hash.h"
+#include "grids/reader_process.h"
 
 namespace dapple::run {
 
@@ -53,7 +54,12 @@ std::string hash_files(const std::vector<std::string>& paths) {
 }
 
 std::string program_identity() {
-    return std::string(DAPPLE_VERSION) + " " + hash_files({"/proc/self/exe"});
+    std::vector<std::string> files = {"/proc/self/exe"};
+    // Where it is missing, clips that need no grids are rendered all the same.
+    std::error_code ignored;
+    const std::string reader = grids::reader_program();
+    if (std::filesystem::exists(reader, ignored)) files.push_back(reader);
+    return std::string(DAPPLE_VERSION) + " " + hash_files(files);
 }
 
 std::string differences(const NamedTexts& a, const NamedTexts& b) {

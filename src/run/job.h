@@ -28,7 +28,7 @@ void check_readable(const std::vector<std::string>& paths);
 /// Error(input_unreadable).
 std::string hash_files(const std::vector<std::string>& paths);
 
-/// Version and content hash of the running program.
+/// Version and content hash of the running program and of the one that reads grids for it.
 std::string program_identity();
 
 /// Names of the parts in which two jobs differ: "the timeline, the program".
