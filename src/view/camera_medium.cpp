@@ -53,4 +53,17 @@ CameraMedium camera_medium(const scene::FrameScene& scene) {
     return {open && camera.y <= margin, open && std::abs(camera.y) <= margin};
 }
 
+bool point_in_water(const scene::FrameScene& scene, const rays::RayScene& rays, const glm::dvec3& point) {
+    if (!scene.state.water) return false;
+    rays::Ray ray{glm::vec3(point), 0, {0, 1, 0}};
+    rays::Hit hit;
+    rays.intersect_water({&ray, 1}, {&hit, 1});
+    if (hit.primitive != rays::kNoHit) return hit.normal.y > 0;
+    if (scene.state.water->extent.kind != scene::ExtentKind::open_water || point.y + scene.origin.y > 0)
+        return false;
+    ray.direction.y = -1;  // above the mesh, in the trough of a wave?
+    rays.intersect_water({&ray, 1}, {&hit, 1});
+    return hit.primitive == rays::kNoHit;
+}
+
 }  // namespace dapple::view

@@ -1,14 +1,14 @@
 #include "view/camera_paths.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
 #include "base/parallel.h"
 #include "media/media.h"
-#include "optics/optics.h"
 #include "view/camera.h"
+#include "view/camera_medium.h"
+#include "view/crossing.h"
 #include "view/path_starts.h"
 #include "view/segment_recorder.h"
 #include "view/surface_point.h"
@@ -52,18 +52,22 @@ public:
 
 private:
     void find_encounters(const std::vector<Path>& paths, std::vector<Encounter>& encounters) const;
+    float before(const Path& path, const rays::Hit& object) const;
     bool meets_rest_plane(const Path& path, double nearest, double& distance) const;
 
     /// One event of a path; false where the path has ended.
     bool advance(Path& path, const Encounter& encounter, LayerCounts& counts) const;
     bool cross_water(Path& path, const SurfacePoint& surface, LayerCounts& counts) const;
+    bool cross_glass(Path& path, std::uint32_t object, const SurfacePoint& surface,
+                     LayerCounts& counts) const;
+    bool cross(Path& path, const SurfacePoint& surface, double eta, LayerCounts& counts) const;
     bool mirror(Path& path, const SurfacePoint& surface, const glm::dvec3& color, LayerCounts& counts) const;
     bool may_go_on(Path& path, LayerCounts& counts) const;
-    void move_to(Path& path, const SurfacePoint& surface) const;
-    void lift_off(Path& path, const glm::dvec3& normal) const;
-    glm::dvec3 transmitted(const Path& path, double distance, bool in_water) const;
-    void note_depth(const Path& path, double distance) const;
-    void note_piece(const Path& path, double distance, bool in_water) const;
+    void reach(Path& path, double distance) const;
+    glm::dvec3 transmitted(const Path& path, double distance) const;
+    void note_piece(const Path& path, double distance) const;
+    double index_outside(bool in_water) const;
+    bool is_glass(std::uint32_t object) const;
     void end_at_receiver(const Path& path, const rays::Hit& hit, const SurfacePoint& surface) const;
     void end_in_environment(const Path& path) const;
     bool wanted(const Path& path) const { return request_.branch == 0 || path.split; }
@@ -122,10 +126,8 @@ void LayerTracer::find_encounters(const std::vector<Path>& paths, std::vector<En
         rays[i].direction = glm::vec3(paths[i].direction);
     }
     rays_.intersect_objects(rays, objects);
-    if (scene_.water) {
-        for (std::size_t i = 0; i < paths.size(); ++i) rays[i].far = objects[i].distance;
-        rays_.intersect_water(rays, water);
-    }
+    for (std::size_t i = 0; i < paths.size(); ++i) rays[i].far = before(paths[i], objects[i]);
+    if (scene_.water) rays_.intersect_water(rays, water);
     encounters.assign(paths.size(), Encounter{});
     for (std::size_t i = 0; i < paths.size(); ++i) {
         Encounter& encounter = encounters[i];
@@ -136,10 +138,20 @@ void LayerTracer::find_encounters(const std::vector<Path>& paths, std::vector<En
             encounter.kind = Encounter::Kind::object;
             encounter.hit = objects[i];
         }
-        const auto nearest = static_cast<double>(encounter.hit.distance);
+        const auto nearest = static_cast<double>(std::min(rays[i].far, water[i].distance));
         if (meets_rest_plane(paths[i], nearest, encounter.distance))
             encounter.kind = Encounter::Kind::rest_plane;
     }
+}
+
+/// Where a path's way ends on which it may meet the water; there is none within glass (-1). Where water and a
+/// body meet, as under a body that lies on it, the body counts.
+float LayerTracer::before(const Path& path, const rays::Hit& object) const {
+    if (path.body != kNoBody) return -1;
+    if (!is_glass(object.object)) return object.distance;
+    const auto distance = static_cast<double>(object.distance);
+    const double margin = 2 * surface_margin(path.start + distance * path.direction);
+    return static_cast<float>(distance - margin);
 }
 
 bool LayerTracer::meets_rest_plane(const Path& path, double nearest, double& distance) const {
@@ -156,7 +168,7 @@ bool LayerTracer::meets_rest_plane(const Path& path, double nearest, double& dis
 bool LayerTracer::advance(Path& path, const Encounter& encounter, LayerCounts& counts) const {
     switch (encounter.kind) {
         case Encounter::Kind::nothing:
-            note_piece(path, std::numeric_limits<double>::infinity(), path.in_water);
+            note_piece(path, std::numeric_limits<double>::infinity());
             end_in_environment(path);
             return false;
         case Encounter::Kind::water_mesh:
@@ -174,118 +186,77 @@ bool LayerTracer::advance(Path& path, const Encounter& encounter, LayerCounts& c
             break;
     }
     const SurfacePoint surface = geometry_.object_point(encounter.hit, path.origin, path.direction);
-    note_depth(path, surface.distance);
-    note_piece(path, surface.distance, path.in_water);
-    path.throughput *= transmitted(path, surface.distance, path.in_water);
+    if (is_glass(encounter.hit.object)) return cross_glass(path, encounter.hit.object, surface, counts);
+    reach(path, surface.distance);
     const scene::Material& material = scene_.state.objects[encounter.hit.object].material;
     if (material.mirror) return mirror(path, surface, material.color, counts);
     if (wanted(path)) end_at_receiver(path, encounter.hit, surface);
     return false;
 }
 
-/// The sides that a path at a surface may use: geometric and shading normal towards the side it comes from,
-/// the latter with its derivative.
-struct FacingNormals {
-    glm::dvec3 geometric;
-    glm::dvec3 shading;
-    glm::dmat3 shading_change;
-
-    FacingNormals(const SurfacePoint& surface, const glm::dvec3& direction) {
-        const double side = dot(direction, surface.geometric_normal) <= 0 ? 1 : -1;
-        geometric = side * surface.geometric_normal;
-        shading = side * surface.shading_normal;
-        shading_change = side * surface.shading_normal_change;
-    }
-    /// Where an interpolated normal would send the path to the wrong side of the triangle.
-    void fall_back_to_geometric() {
-        shading = geometric;
-        shading_change = glm::dmat3(0.0);
-    }
-};
-
 bool LayerTracer::cross_water(Path& path, const SurfacePoint& surface, LayerCounts& counts) const {
-    note_depth(path, surface.distance);
     // The side that the path comes from is the triangle's to say: a path that entered the water through the
     // open side of a pool learns here that it is under water.
     const bool from_air = dot(path.direction, surface.geometric_normal) <= 0;
-    note_piece(path, surface.distance, !from_air);
-    path.throughput *= transmitted(path, surface.distance, !from_air);
+    path.in_water = !from_air;
+    reach(path, surface.distance);
     if (!may_go_on(path, counts)) return false;
+    const double index = index_outside(true);
+    const bool refracts = cross(path, surface, from_air ? 1 / index : index, counts);
+    path.in_water = refracts == from_air;
+    return true;
+}
 
-    const double index = scene_.state.water->refractive_index;
-    const double eta = from_air ? 1 / index : index;
-    FacingNormals normals(surface, path.direction);
-    glm::dvec3 refracted;
-    bool transmits = optics::f64::refracted_direction(path.direction, normals.shading, eta, refracted);
-    glm::dvec3 reflected = optics::f64::reflected_direction(path.direction, normals.shading);
-    if (dot(path.direction, normals.shading) >= 0 || dot(reflected, normals.geometric) <= 0 ||
-        (transmits && dot(refracted, normals.geometric) >= 0)) {
-        normals.fall_back_to_geometric();
-        transmits = optics::f64::refracted_direction(path.direction, normals.shading, eta, refracted);
-        reflected = optics::f64::reflected_direction(path.direction, normals.shading);
-    }
-    const double cos_i = std::min(1.0, -dot(path.direction, normals.shading));
-    const double cos_t = optics::f64::transmitted_cosine(cos_i, eta);
-    const double transmittance = transmits ? optics::f64::fresnel_transmittance(cos_i, cos_t, eta) : 0;
-    const double reflectance = transmits ? optics::f64::fresnel_reflectance(cos_i, cos_t, eta) : 1;
-    const double through = transmittance * eta * eta;  // radiance scales by n^2
+bool LayerTracer::cross_glass(Path& path, std::uint32_t object, const SurfacePoint& surface,
+                              LayerCounts& counts) const {
+    const bool enters = dot(path.direction, surface.geometric_normal) <= 0;
+    reach(path, surface.distance);
+    if (!may_go_on(path, counts)) return false;
+    // What a path finds outside is the place's to say, as a body may reach from the water into the air.
+    const bool known = enters && path.body == kNoBody;
+    const bool outside_in_water =
+        known ? path.in_water
+              : point_in_water(scene_, rays_, lifted(surface.position, surface.geometric_normal));
+    const double outside = index_outside(outside_in_water);
+    const double glass = scene_.state.objects[object].material.refractive_index;
+    const bool refracts = cross(path, surface, enters ? outside / glass : glass / outside, counts);
+    const bool inside = refracts == enters;
+    path.body = inside ? object : kNoBody;
+    path.in_water = !inside && outside_in_water;
+    return true;
+}
 
-    bool refracts = transmittance > 0;
-    if (transmittance > 0 && reflectance > 0) {
+/// Sends the path on through the interface or back from it; whether through it. `eta`: Crossing.
+bool LayerTracer::cross(Path& path, const SurfacePoint& surface, double eta, LayerCounts& counts) const {
+    const Crossing crossing(path.direction, surface, eta);
+    bool refracts = crossing.transmittance > 0;
+    if (crossing.transmittance > 0 && crossing.reflectance > 0) {
         if (!path.split) {
             path.split = true;
             ++counts.split_pixels;
             refracts = request_.branch == 0;
         } else {
-            refracts = transmittance >= reflectance;
+            refracts = crossing.transmittance >= crossing.reflectance;
             ++counts.dropped_splits;
-            counts.dropped_weight += mean(path.throughput) * (refracts ? reflectance : through);
+            counts.dropped_weight +=
+                mean(path.throughput) * (refracts ? crossing.reflectance : crossing.through());
         }
     }
-
     move_to(path, surface);
-    const glm::dvec3 normal_du = normals.shading_change * path.origin_du;
-    const glm::dvec3 normal_dv = normals.shading_change * path.origin_dv;
-    const glm::dvec3 incident = path.direction;
     if (refracts) {
-        path.throughput *= through;
-        path.direction_du =
-            optics::f64::refracted_differential(incident, normals.shading, eta, path.direction_du, normal_du);
-        path.direction_dv =
-            optics::f64::refracted_differential(incident, normals.shading, eta, path.direction_dv, normal_dv);
-        path.direction = normalize(refracted);
-        path.in_water = from_air;
-        lift_off(path, -normals.geometric);
+        refract(path, crossing);
     } else {
-        path.throughput *= reflectance;
-        path.direction_du =
-            optics::f64::reflected_differential(incident, normals.shading, path.direction_du, normal_du);
-        path.direction_dv =
-            optics::f64::reflected_differential(incident, normals.shading, path.direction_dv, normal_dv);
-        path.direction = normalize(reflected);
-        path.in_water = !from_air;
-        lift_off(path, normals.geometric);
+        reflect(path, crossing);
     }
-    return true;
+    return refracts;
 }
 
 bool LayerTracer::mirror(Path& path, const SurfacePoint& surface, const glm::dvec3& color,
                          LayerCounts& counts) const {
     if (!may_go_on(path, counts)) return false;
-    FacingNormals normals(surface, path.direction);
-    glm::dvec3 reflected = optics::f64::reflected_direction(path.direction, normals.shading);
-    if (dot(reflected, normals.geometric) <= 0) {
-        normals.fall_back_to_geometric();
-        reflected = optics::f64::reflected_direction(path.direction, normals.shading);
-    }
     move_to(path, surface);
-    path.direction_du = optics::f64::reflected_differential(
-        path.direction, normals.shading, path.direction_du, normals.shading_change * path.origin_du);
-    path.direction_dv = optics::f64::reflected_differential(
-        path.direction, normals.shading, path.direction_dv, normals.shading_change * path.origin_dv);
-    path.direction = normalize(reflected);
+    reflect(path, surface);
     path.throughput *= color;
-    lift_off(path, normals.geometric);
     return true;
 }
 
@@ -298,57 +269,54 @@ bool LayerTracer::may_go_on(Path& path, LayerCounts& counts) const {
     return true;
 }
 
-/// Brings the path and its differentials to the surface.
-void LayerTracer::move_to(Path& path, const SurfacePoint& surface) const {
-    for (auto [dp, dd] :
-         {std::pair{&path.origin_du, &path.direction_du}, {&path.origin_dv, &path.direction_dv}}) {
-        *dp = optics::f64::transferred_differential(*dp, *dd, path.direction, surface.distance,
-                                                    surface.geometric_normal);
-    }
-    path.length += surface.distance;
-    path.origin = surface.position;
-    path.left_rest_plane = false;
+/// Follows the path to the end of its piece: notes it and what is lost on it.
+void LayerTracer::reach(Path& path, double distance) const {
+    if (path.events == 0)
+        layer_.depth[path.pixel] = static_cast<float>(distance * dot(path.direction, forward_));
+    note_piece(path, distance);
+    path.throughput *= transmitted(path, distance);
 }
 
-/// Rays start a few roundings off the surface, on the side that the path goes on in, so as not to meet it
-/// again; what they hit is placed from the unmoved path.
-void LayerTracer::lift_off(Path& path, const glm::dvec3& normal) const {
-    const glm::dvec3 size = glm::abs(path.origin);
-    path.start = path.origin + 0x1p-20 * (1 + std::max({size.x, size.y, size.z})) * normal;
+/// Share of the light that the path's next piece lets through.
+glm::dvec3 LayerTracer::transmitted(const Path& path, double distance) const {
+    if (path.body != kNoBody)
+        return glm::exp(-distance * scene_.state.objects[path.body].material.absorption);
+    if (!path.in_water && !media_.bounded(false)) return glm::dvec3(1);
+    return glm::exp(-media_.optical_depth(path.origin, path.direction, distance, path.in_water));
 }
 
-/// Share of the light that the media on the path's next piece let through.
-glm::dvec3 LayerTracer::transmitted(const Path& path, double distance, bool in_water) const {
-    if (!in_water && !media_.bounded(false)) return glm::dvec3(1);
-    return glm::exp(-media_.optical_depth(path.origin, path.direction, distance, in_water));
+double LayerTracer::index_outside(bool in_water) const {
+    return in_water ? scene_.state.water->refractive_index : 1;
 }
 
-void LayerTracer::note_depth(const Path& path, double distance) const {
-    if (path.events > 0 || path.length > 0) return;
-    layer_.depth[path.pixel] = static_cast<float>(distance * dot(path.direction, forward_));
+bool LayerTracer::is_glass(std::uint32_t object) const {
+    return object != rays::kNoHit && scene_.state.objects[object].material.glass;
 }
 
-void LayerTracer::note_piece(const Path& path, double distance, bool in_water) const {
-    if (!recorder_ || !wanted(path)) return;
+/// There is no medium within glass.
+void LayerTracer::note_piece(const Path& path, double distance) const {
+    if (!recorder_ || !wanted(path) || path.body != kNoBody) return;
     const std::size_t width = static_cast<std::size_t>(layer_.width);
     const std::size_t tile = path.pixel / width / kTileSize * static_cast<std::size_t>(tiles_across_) +
                              path.pixel % width / kTileSize;
     recorder_->record(
-        tile, {path.pixel, path.origin, path.direction, distance, in_water, path.events == 0, path.throughput,
-               path.origin_du, path.origin_dv, path.direction_du, path.direction_dv});
+        tile, {path.pixel, path.origin, path.direction, distance, path.in_water, path.events == 0,
+               path.throughput, path.origin_du, path.origin_dv, path.direction_du, path.direction_dv});
 }
 
+/// In glass only where its mesh has a hole.
 void LayerTracer::end_in_environment(const Path& path) const {
-    if (path.in_water || !wanted(path)) return;
+    if (path.in_water || path.body != kNoBody || !wanted(path)) return;
     layer_.flags[path.pixel] = kEnvironment | (path.events > 0 ? kBehindSpecular : 0u);
     layer_.throughput[path.pixel] =
-        glm::vec3(path.throughput * transmitted(path, std::numeric_limits<double>::infinity(), false));
+        glm::vec3(path.throughput * transmitted(path, std::numeric_limits<double>::infinity()));
 }
 
 void LayerTracer::end_at_receiver(const Path& path, const rays::Hit& hit, const SurfacePoint& surface) const {
     const std::size_t pixel = path.pixel;
     std::uint32_t flags = kReceiver;
     if (path.in_water) flags |= kInWater;
+    if (path.body != kNoBody) flags |= kInGlass;
     if (path.events > 0) flags |= kBehindSpecular;
 
     Path end = path;

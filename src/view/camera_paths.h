@@ -19,20 +19,22 @@ constexpr int kLongestChain = 8;
 /// looked at in the middle of its picture; its paths start in the water or the air each by itself.
 bool camera_in_water(const scene::FrameScene& scene);
 
-/// Follows one camera path a pixel through water and mirrors to its receiver (at most kLongestChain specular
-/// events). `branch` 0 takes, at the first Fresnel split, the refracted ray (weight T), 1 the reflected ray
-/// (weight F); pixels that do not split are in branch 0 only (in branch 1 their flags are 0 and their
-/// throughput 0). At total reflection the whole weight goes with branch 0. Later splits follow the stronger
-/// side with weight 1 - loss and what is dropped is counted. The sample is Camera::sample_offset(sample,
-/// samples).
+/// Follows one camera path a pixel through water, glass and mirrors to its receiver (at most kLongestChain
+/// specular events). `branch` 0 takes, at the first Fresnel split, the refracted ray (weight T), 1 the
+/// reflected ray (weight F); pixels that do not split are in branch 0 only (in branch 1 their flags are 0 and
+/// their throughput 0). At total reflection the whole weight goes with branch 0. Later splits follow the
+/// stronger side with weight 1 - loss and what is dropped is counted. The sample is
+/// Camera::sample_offset(sample, samples).
 ///
 /// Throughput carries, from the pixel outwards, Fresnel's share, (n_from / n_to)^2 at each crossing (radiance
 /// scales by n^2), exp(-optical depth) of the media on each way and the colour of each mirror. Open water
 /// goes on outside its rectangle as the flat plane y = 0. Paths that leave the scene in the air see the
 /// environment; those that leave it in the water, or meet more than kLongestChain events, end black (flags
-/// and throughput 0). Footprints are carried through refraction, reflection and the curvature of the
-/// interpolated normals (Igehy 1999); they are cut at 64 times the width of the beam, and at the length of
-/// the path (and 64 pixels of an orthographic picture).
+/// and throughput 0). Within a body of glass there is its absorption, and neither water nor another medium;
+/// whether air or water lies outside is decided where a path leaves it. A camera may stand in glass.
+/// Footprints are carried through refraction, reflection and the curvature of the interpolated normals (Igehy
+/// 1999); they are cut at 64 times the width of the beam, and at the length of the path (and 64 pixels of an
+/// orthographic picture).
 struct LayerRequest {
     int sample = 0;
     int branch = 0;

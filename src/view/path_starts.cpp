@@ -24,7 +24,14 @@ PathStarts::PathStarts(const scene::FrameScene& scene, const rays::RayScene& ray
       camera_(scene.state.camera, scene.state.clip.width, scene.state.clip.height),
       width_(static_cast<std::size_t>(width)),
       offset_(offset),
-      medium_(camera_medium(scene)) {}
+      medium_(camera_medium(scene)),
+      glass_(scene) {
+    if (perspective()) body_ = glass_.at(scene.state.camera.position - scene.origin);
+}
+
+bool PathStarts::perspective() const {
+    return scene_.state.camera.projection == scene::Projection::perspective;
+}
 
 Path PathStarts::start_path(int x, int y) const {
     Path path;
@@ -35,8 +42,9 @@ Path PathStarts::start_path(int x, int y) const {
     path.start = path.origin;
     camera_.ray_differentials(place, path.origin_du, path.origin_dv, path.direction_du, path.direction_dv);
     path.pixel_width = length(path.origin_du);
-    path.in_water = medium_.in_water;
-    if (medium_.at_surface && scene_.state.camera.projection == scene::Projection::perspective) sink(path);
+    path.body = perspective() ? body_ : glass_.at(path.origin);
+    path.in_water = medium_.in_water && path.body == kNoBody;
+    if (medium_.at_surface && perspective() && path.body == kNoBody) sink(path);
     return path;
 }
 
@@ -53,7 +61,7 @@ std::vector<Path> PathStarts::start(glm::ivec2 corner, glm::ivec2 end) const {
             }
         }
     }
-    if (scene_.water && scene_.state.camera.projection == scene::Projection::orthographic) find_media(paths);
+    if (scene_.water && !perspective()) find_media(paths);
     return paths;
 }
 
@@ -73,6 +81,7 @@ void PathStarts::find_media(std::vector<Path>& paths) const {
     rays_.intersect_water(rays, below);
     const bool open = scene_.state.water->extent.kind == scene::ExtentKind::open_water;
     for (std::size_t i = 0; i < paths.size(); ++i) {
+        if (paths[i].body != kNoBody) continue;
         const double margin = surface_margin(paths[i].start);
         bool at_surface = above[i].distance <= 2 * margin;
         paths[i].in_water = false;

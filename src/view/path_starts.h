@@ -1,5 +1,6 @@
 #pragma once
 #include <cstddef>
+#include <cstdint>
 #include <glm/glm.hpp>
 #include <vector>
 
@@ -7,6 +8,7 @@
 #include "scene/frame_scene.h"
 #include "view/camera.h"
 #include "view/camera_medium.h"
+#include "view/glass_bodies.h"
 
 namespace dapple::view {
 
@@ -21,12 +23,13 @@ struct Path {
     double pixel_width = 0;  ///< m, of the beam at the camera
     double length = 0;       ///< m, of the way so far
     int events = 0;
-    bool in_water = false;
+    bool in_water = false;         ///< false within a body of glass
+    std::uint32_t body = kNoBody;  ///< the object of glass that it travels in
     bool split = false;
     bool left_rest_plane = false;
 };
 
-/// Where the paths of a layer start, and in which medium.
+/// Where the paths of a layer start, and in which medium or body of glass.
 class PathStarts {
 public:
     /// `width` is the layer's, `offset` the place of pixel (0, 0)'s path in the clip's picture.
@@ -36,6 +39,7 @@ public:
     std::vector<Path> start(glm::ivec2 corner, glm::ivec2 end) const;
 
 private:
+    bool perspective() const;
     Path start_path(int x, int y) const;
     void find_media(std::vector<Path>& paths) const;
 
@@ -45,6 +49,8 @@ private:
     std::size_t width_;
     glm::dvec2 offset_;
     CameraMedium medium_;
+    GlassBodies glass_;
+    std::uint32_t body_ = kNoBody;  ///< of a perspective camera
 };
 
 }  // namespace dapple::view

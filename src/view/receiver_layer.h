@@ -12,6 +12,7 @@ enum ReceiverFlags : std::uint32_t {
     kInWater = 1u << 2,          ///< the receiver is lit and seen through the water (it lies in it)
     kBehindSpecular = 1u << 3,   ///< the camera sees it through or by a specular surface
     kFootprintCapped = 1u << 4,  ///< grazing view: the footprint was cut to a longest length
+    kInGlass = 1u << 5,          ///< the receiver lies in a body of glass (and neither in water nor in air)
 };
 
 /// One camera path a pixel, at one sub-pixel offset (`sample`) and one choice at its Fresnel splits

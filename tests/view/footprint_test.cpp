@@ -129,6 +129,22 @@ TEST(Footprint, ByACurvedMirror) {
     }
 }
 
+TEST(Footprint, ThroughGlass) {
+    for (const auto shape : {scene::Shape::box, scene::Shape::sphere}) {
+        ViewScene scene = narrow({1, 2, 3}, {0.1, 0.1, 0});
+        scene::Object& body = scene.add(shape, {0, 0, 0});
+        body.material.glass = true;
+        body.transform.rotation = {0.3, 0.2, 0.1};
+        scene.fill_flat(10);  // half of the body is in the water
+        scene.add_floor(-1.5);
+        const auto errors = footprint_errors(scene.trace());
+        // Neighbours part at edges of the box and where they leave it above and below the water.
+        EXPECT_GT(errors.size(), 2500u);
+        // A ball of index 1.5 focuses near itself: the footprint changes by more within a pixel.
+        EXPECT_LT(quantile(errors, 0.99), kDifference);
+    }
+}
+
 TEST(Footprint, ThroughWavyWater) {
     ViewScene scene = narrow({0.3, 1, 0.5}, {0, 0, 0});
     scene.fill(test::wavy_water(4, 1600), 4);
