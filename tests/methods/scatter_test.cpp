@@ -112,21 +112,20 @@ TEST(Scatter, PiecesCoverPointsAsOftenAsPathsMeetThem) {
                                            half * lanes.to_a,
                                            half * lanes.to_b,
                                            half * lanes.to_depth};
-            for (const std::uint32_t beam : coverage.pyramid().beams(node)) {
-                if (beam == kNoBeam || !(coverage.sheet().flux[beam] > 0)) continue;
-                BeamCorner<float> corner[3];
-                scatter.corners(beam, {0, 0}, corner);
-                const BeamSlices<float> cuts = slices(corner, part);
-                visit_pieces(cuts, met, [&](const auto& enter, const auto& leave, const auto& mask) {
-                    // Seen along the light the water's triangles turn clockwise.
-                    const Lanes<float> area = cuts.edge[0](0.5f * (enter + leave));
-                    for (int lane = 0; lane < 8; ++lane)
-                        if (mask[lane])
-                            pieces[lane].push_back({middle[lane] + enter[lane] * half[lane],
-                                                    middle[lane] + leave[lane] * half[lane],
-                                                    area[lane] < 0 ? 1 : -1});
-                });
-            }
+            const BeamCluster<float>& cluster = scatter.clusters()[coverage.pyramid().index(node)];
+            BeamCorner<float> corners[BeamCluster<float>::kMost];
+            scatter.corners(cluster, {0, 0}, corners);
+            ClusterSlices<float> slices;
+            slices.find(cluster, corners, part, met);
+            slices.visit_pieces([&](int beam, const auto& enter, const auto& leave, const auto& mask) {
+                // Seen along the light the water's triangles turn clockwise.
+                const Lanes<float> area = slices.slices(beam).edge[0](0.5f * (enter + leave));
+                for (int lane = 0; lane < 8; ++lane)
+                    if (mask[lane])
+                        pieces[lane].push_back({middle[lane] + enter[lane] * half[lane],
+                                                middle[lane] + leave[lane] * half[lane],
+                                                area[lane] < 0 ? 1 : -1});
+            });
         });
         for (int lane = 0; lane < 8; ++lane) {
             for (int i = 0; i < 20; ++i) {

@@ -1,5 +1,6 @@
 #pragma once
 #include <limits>
+#include <type_traits>
 
 #include "methods/sliced_beams/landing.h"
 #include "methods/sliced_beams/lanes.h"
@@ -35,51 +36,72 @@ struct BeamSlices {
     Quadratic<Real> area;     ///< their sum, twice the beam's area
 };
 
+/// The place of a corner's ray about the segment's point, as a function of t: (x0 + x1 t, y0 + y1 t).
+template <class Real>
+inline void place(const BeamCorner<Real>& corner, const SegmentParts<Real>& part, Lanes<Real>& x0,
+                  Lanes<Real>& y0, Lanes<Real>& x1, Lanes<Real>& y1) {
+    const Lanes<Real> slope_a = splat(corner.slope_a), slope_b = splat(corner.slope_b);
+    x0 = multiply_add(part.depth, slope_a, corner.a - part.a);
+    y0 = multiply_add(part.depth, slope_b, corner.b - part.b);
+    x1 = multiply_add(part.half_depth, slope_a, -part.half_a);
+    y1 = multiply_add(part.half_depth, slope_b, -part.half_b);
+}
+
+/// The area between two moving places and the origin. Products are rounded by themselves: only so does
+/// swapping the places change nothing but the sign.
+template <class L>
+inline auto beside(const L& x0, const L& y0, const L& x1, const L& y1, const L& u0, const L& v0, const L& u1,
+                   const L& v1) {
+    const auto cross = [](const L& x, const L& y, const L& u, const L& v) { return x * v - u * y; };
+    using Real = std::remove_cvref_t<decltype(x0[0])>;
+    return Quadratic<Real>{cross(x0, y0, u0, v0), cross(x1, y1, u0, v0) + cross(x0, y0, u1, v1),
+                           cross(x1, y1, u1, v1)};
+}
+
+/// A segment in an edge's own plane counts as moved by an infinitely small step along (1, e), so that one of
+/// the edge's two beams holds it (Edelsbrunner & Muecke 1990): c0 for it. `run`, `rise`: the edge at t = 1.
+template <class Real>
+inline Lanes<Real> off_edge(const Quadratic<Real>& edge, const Lanes<Real>& run, const Lanes<Real>& rise) {
+    constexpr Real tiny = std::numeric_limits<Real>::min();
+    const auto along = (edge.c0 == 0) & (edge.c1 == 0) & (edge.c2 == 0);
+    const auto positive = (rise < 0) | ((rise == 0) & (run > 0));
+    return along ? (positive ? splat(tiny) : splat(-tiny)) : edge.c0;
+}
+
+/// Twice the area of a beam along the segments. Not as the edges' sum, which loses digits where the point is
+/// far from the beam.
+template <class Real>
+inline Quadratic<Real> beam_area(const BeamCorner<Real>& corner, const BeamCorner<Real>& second,
+                                 const BeamCorner<Real>& third, const SegmentParts<Real>& part) {
+    using L = Lanes<Real>;
+    L x0[2], y0[2], x1[2], y1[2];
+    const BeamCorner<Real>* const others[2] = {&second, &third};
+    for (int k = 0; k < 2; ++k) {
+        const L slope_a = splat(others[k]->slope_a - corner.slope_a);
+        const L slope_b = splat(others[k]->slope_b - corner.slope_b);
+        x0[k] = multiply_add(part.depth, slope_a, splat(others[k]->a - corner.a));
+        y0[k] = multiply_add(part.depth, slope_b, splat(others[k]->b - corner.b));
+        x1[k] = part.half_depth * slope_a;
+        y1[k] = part.half_depth * slope_b;
+    }
+    return beside(x0[0], y0[0], x1[0], y1[0], x0[1], y0[1], x1[1], y1[1]);
+}
+
 /// Beams that share an edge get the same numbers for it but for the sign, so that a segment leaves the one
 /// where it enters the other.
 template <class Real>
 inline BeamSlices<Real> slices(const BeamCorner<Real> (&corner)[3], const SegmentParts<Real>& part) {
-    using L = Lanes<Real>;
-    L x0[3], y0[3], x1[3], y1[3];
-    for (int k = 0; k < 3; ++k) {
-        const L slope_a = splat(corner[k].slope_a), slope_b = splat(corner[k].slope_b);
-        x0[k] = multiply_add(part.depth, slope_a, corner[k].a - part.a);
-        y0[k] = multiply_add(part.depth, slope_b, corner[k].b - part.b);
-        x1[k] = multiply_add(part.half_depth, slope_a, -part.half_a);
-        y1[k] = multiply_add(part.half_depth, slope_b, -part.half_b);
-    }
-    // Products are rounded by themselves: only so does swapping the corners change nothing but the sign.
-    const auto cross = [](L x, L y, L u, L v) { return x * v - u * y; };
+    Lanes<Real> x0[3], y0[3], x1[3], y1[3];
+    for (int k = 0; k < 3; ++k) place(corner[k], part, x0[k], y0[k], x1[k], y1[k]);
     BeamSlices<Real> result;
     for (int k = 0; k < 3; ++k) {
         const int i = (k + 1) % 3, j = (k + 2) % 3;
-        result.edge[k] = {cross(x0[i], y0[i], x0[j], y0[j]),
-                          cross(x1[i], y1[i], x0[j], y0[j]) + cross(x0[i], y0[i], x1[j], y1[j]),
-                          cross(x1[i], y1[i], x1[j], y1[j])};
-        // A segment in an edge's own plane counts as moved by an infinitely small step along (1, e), so that
-        // one of the edge's two beams holds it (Edelsbrunner & Muecke 1990).
         Quadratic<Real>& edge = result.edge[k];
-        const auto along = (edge.c0 == 0) & (edge.c1 == 0) & (edge.c2 == 0);
-        if (any(along)) {
-            constexpr Real tiny = std::numeric_limits<Real>::min();
-            const L rise = y0[j] - y0[i] + (y1[j] - y1[i]), run = x0[j] - x0[i] + (x1[j] - x1[i]);
-            const auto positive = (rise < 0) | ((rise == 0) & (run > 0));
-            edge.c0 = along ? (positive ? splat(tiny) : splat(-tiny)) : edge.c0;
-        }
+        edge = beside(x0[i], y0[i], x1[i], y1[i], x0[j], y0[j], x1[j], y1[j]);
+        if (any(edge.c0 == 0))
+            edge.c0 = off_edge<Real>(edge, x0[j] - x0[i] + (x1[j] - x1[i]), y0[j] - y0[i] + (y1[j] - y1[i]));
     }
-    // Not as the edges' sum, which loses digits where the point is far from the beam.
-    L ex0[2], ey0[2], ex1[2], ey1[2];
-    for (int k = 0; k < 2; ++k) {
-        const L slope_a = splat(corner[k + 1].slope_a - corner[0].slope_a);
-        const L slope_b = splat(corner[k + 1].slope_b - corner[0].slope_b);
-        ex0[k] = multiply_add(part.depth, slope_a, splat(corner[k + 1].a - corner[0].a));
-        ey0[k] = multiply_add(part.depth, slope_b, splat(corner[k + 1].b - corner[0].b));
-        ex1[k] = part.half_depth * slope_a;
-        ey1[k] = part.half_depth * slope_b;
-    }
-    result.area = {cross(ex0[0], ey0[0], ex0[1], ey0[1]),
-                   cross(ex1[0], ey1[0], ex0[1], ey0[1]) + cross(ex0[0], ey0[0], ex1[1], ey1[1]),
-                   cross(ex1[0], ey1[0], ex1[1], ey1[1])};
+    result.area = beam_area(corner[0], corner[1], corner[2], part);
     return result;
 }
 

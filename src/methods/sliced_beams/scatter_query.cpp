@@ -22,7 +22,7 @@ void ScatterQuery<Real>::run() {
                              const Mask<Real> met = from <= to;
                              counts_.clusters += static_cast<std::size_t>(__builtin_popcount(bits(met)));
                              take_part(from, to, met);
-                             for (const std::uint32_t beam : pyramid.beams(node)) add_beam(beam, met);
+                             add_cluster(sheet_.clusters_[pyramid.index(node)], met);
                          });
     settle_pairs();
 }
@@ -41,42 +41,53 @@ void ScatterQuery<Real>::take_part(const L& from, const L& to, const Mask<Real>&
 }
 
 template <class Real>
-void ScatterQuery<Real>::add_beam(std::uint32_t beam, const Mask<Real>& met) {
+void ScatterQuery<Real>::add_cluster(const BeamCluster<Real>& cluster, const Mask<Real>& met) {
     const light::BeamSheet<Real>& sheet = sheet_.coverage_.sheet();
-    if (beam == kNoBeam || !(sheet.flux[beam] > 0)) return;
-    const std::uint8_t shade = sheet_.ways_.shade(beam);
-    if (shade & Ways::kDark) return;
-    counts_.beams += static_cast<std::size_t>(kLanes<Real>);
-    sheet_.corners(beam, direction_.shift, corner_);
-    slices_ = slices(corner_, part_);
-    beam_ = beam;
-    flux_ = 2 * sheet.flux[beam];
-    visit_pieces(slices_, met, [&](const L& enter, const L& leave, const Mask<Real>& mask) {
-        if (lies_free(beam, enter, leave, mask))
-            take_piece(beam, enter, leave, mask);
+    counts_.beams += static_cast<std::size_t>(kLanes<Real> * cluster.beams);
+    sheet_.corners(cluster, direction_.shift, corners_);
+    cluster_.find(cluster, corners_, part_, met);
+    const bool free = lies_free(cluster, met);
+    const typename BeamCluster<Real>::Beam* known = nullptr;
+    cluster_.visit_pieces([&](int i, const L& enter, const L& leave, const Mask<Real>& mask) {
+        const auto& beam = cluster.beam[i];
+        if (&beam != known) {
+            known = &beam;
+            beam_ = beam.triangle;
+            shade_ = beam.shade;
+            flux_ = 2 * sheet.flux[beam_];
+            for (int k = 0; k < 3; ++k) corner_[k] = corners_[beam.corner[k]];
+            slices_ = cluster_.slices(i);
+        }
+        if (free || lies_free(enter, leave, mask))
+            take_piece(enter, leave, mask);
         else
-            cut_piece(beam, enter, leave, mask);
+            cut_piece(enter, leave, mask);
     });
 }
 
 template <class Real>
-bool ScatterQuery<Real>::lies_free(std::uint32_t beam, const L& enter, const L& leave,
-                                   const Mask<Real>& mask) const {
+bool ScatterQuery<Real>::lies_free(const BeamCluster<Real>& cluster, const Mask<Real>& met) const {
+    const L reach = magnitude(part_.half_depth);
+    return !any(met &
+                ((part_.depth - reach < cluster.last_start) | (part_.depth + reach > cluster.first_stop)));
+}
+
+template <class Real>
+bool ScatterQuery<Real>::lies_free(const L& enter, const L& leave, const Mask<Real>& mask) const {
     const L first = multiply_add(enter, part_.half_depth, part_.depth);
     const L last = multiply_add(leave, part_.half_depth, part_.depth);
     const Real start = std::max({corner_[0].start, corner_[1].start, corner_[2].start});
     if (any(mask & (lesser(first, last) < start))) return false;
-    if (!(sheet_.ways_.shade(beam) & Ways::kCut)) return true;
-    const glm::uvec3& t = sheet_.coverage_.triangles()[beam];
+    if (!(shade_ & Ways::kCut)) return true;
+    const glm::uvec3& t = sheet_.coverage_.triangles()[beam_];
     const Real stop = std::min({sheet_.ways_.stop(t.x), sheet_.ways_.stop(t.y), sheet_.ways_.stop(t.z)});
     return !any(mask & (greater(first, last) > stop));
 }
 
 template <class Real>
-void ScatterQuery<Real>::cut_piece(std::uint32_t beam, const L& enter, const L& leave,
-                                   const Mask<Real>& mask) {
-    const glm::uvec3& triangle = sheet_.coverage_.triangles()[beam];
-    const bool stops = (sheet_.ways_.shade(beam) & Ways::kCut) != 0;
+void ScatterQuery<Real>::cut_piece(const L& enter, const L& leave, const Mask<Real>& mask) {
+    const glm::uvec3& triangle = sheet_.coverage_.triangles()[beam_];
+    const bool stops = (shade_ & Ways::kCut) != 0;
     constexpr int kMost = 4;
     L from[kMost], to[kMost];
     Mask<Real> kept[kMost] = {};
@@ -124,24 +135,21 @@ void ScatterQuery<Real>::cut_piece(std::uint32_t beam, const L& enter, const L& 
     for (int i = 0; i < kMost; ++i) {
         const Mask<Real> present = kept[i];
         if (!any(present)) break;
-        take_piece(beam, present ? from[i] : enter, present ? to[i] : leave, present);
+        take_piece(present ? from[i] : enter, present ? to[i] : leave, present);
     }
 }
 
 template <class Real>
-void ScatterQuery<Real>::take_piece(std::uint32_t beam, const L& enter, const L& leave,
-                                    const Mask<Real>& mask) {
+void ScatterQuery<Real>::take_piece(const L& enter, const L& leave, const Mask<Real>& mask) {
     counts_.intervals += static_cast<std::size_t>(__builtin_popcount(bits(mask)));
-    if (sheet_.ways_.shade(beam) & (Ways::kMixedAfter | Ways::kMixedBefore))
-        add_shadowed(beam, enter, leave, mask);
+    if (shade_ & (Ways::kMixedAfter | Ways::kMixedBefore))
+        add_shadowed(enter, leave, mask);
     else
         add_piece(enter, leave, mask);
 }
 
 template <class Real>
-void ScatterQuery<Real>::add_shadowed(std::uint32_t beam, const L& enter, const L& leave,
-                                      const Mask<Real>& mask) {
-    const std::uint8_t shade = sheet_.ways_.shade(beam);
+void ScatterQuery<Real>::add_shadowed(const L& enter, const L& leave, const Mask<Real>& mask) {
     const glm::dmat3& world_from_sheet = sheet_.coverage_.sheet().world_from_mesh;
     for (int i = 0; i < kShadowParts; ++i) {
         const auto at = [&](int k) {
@@ -162,8 +170,8 @@ void ScatterQuery<Real>::add_shadowed(std::uint32_t beam, const L& enter, const 
             const glm::dvec3 water = point - below * glm::dvec3(n.slope_a[lane], n.slope_b[lane], 1);
             pairs_.push_back({lane, Vec3<Real>(light[0][lane], light[1][lane], light[2][lane]),
                               glm::vec3(world_from_sheet * point), glm::vec3(world_from_sheet * water),
-                              (shade & Ways::kMixedAfter) && depth[lane] > sheet_.ways_.free_depth(beam),
-                              (shade & Ways::kMixedBefore) != 0});
+                              (shade_ & Ways::kMixedAfter) && depth[lane] > sheet_.ways_.free_depth(beam_),
+                              (shade_ & Ways::kMixedBefore) != 0});
         }
     }
     if (pairs_.size() >= kPairsAtOnce) settle_pairs();

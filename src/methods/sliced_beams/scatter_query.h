@@ -38,19 +38,21 @@ public:
 private:
     void take_part(const L& from, const L& to, const Mask<Real>& met);
 
-    void add_beam(std::uint32_t beam, const Mask<Real>& met);
+    void add_cluster(const BeamCluster<Real>& cluster, const Mask<Real>& met);
 
-    /// Whether all of the piece is below the surface, and before an object that stops the beam.
-    bool lies_free(std::uint32_t beam, const L& enter, const L& leave, const Mask<Real>& mask) const;
+    /// Whether all of the part is below the surface, and before objects that stop a cluster's beams.
+    bool lies_free(const BeamCluster<Real>& cluster, const Mask<Real>& met) const;
+    /// The same of a piece in the beam.
+    bool lies_free(const L& enter, const L& leave, const Mask<Real>& mask) const;
 
     /// Takes what lies beyond the surface and before the stop, both linear over the beam's slices: a point
     /// is, where a cubic, the edges' areas times the corners' distances, has the sign of the area.
-    void cut_piece(std::uint32_t beam, const L& enter, const L& leave, const Mask<Real>& mask);
+    void cut_piece(const L& enter, const L& leave, const Mask<Real>& mask);
 
-    void take_piece(std::uint32_t beam, const L& enter, const L& leave, const Mask<Real>& mask);
+    void take_piece(const L& enter, const L& leave, const Mask<Real>& mask);
 
     /// Where an object may stand among a beam's rays.
-    void add_shadowed(std::uint32_t beam, const L& enter, const L& leave, const Mask<Real>& mask);
+    void add_shadowed(const L& enter, const L& leave, const Mask<Real>& mask);
 
     void settle_pairs();
 
@@ -101,11 +103,14 @@ private:
     Vec3<Real> color_;
 
     SegmentParts<Real> part_{};
-    L middle_{}, half_{};  ///< of the part, m along the segments
-    BeamCorner<Real> corner_[3];
+    L middle_{}, half_{};                                 ///< of the part, m along the segments
+    BeamCorner<Real> corners_[BeamCluster<Real>::kMost];  ///< of a cluster
+    ClusterSlices<Real> cluster_;
+    BeamCorner<Real> corner_[3];  ///< of a beam
     BeamSlices<Real> slices_;
     std::uint32_t beam_ = 0;
-    Real flux_ = 0;  ///< of the beam, doubled as its area is
+    std::uint8_t shade_ = 0;  ///< of the beam
+    Real flux_ = 0;           ///< of the beam, doubled as its area is
     /// Light of a part of an interval, if nothing stands in its way.
     struct Pair {
         int lane;

@@ -30,7 +30,8 @@ template <class Real>
 ScatterSheet<Real>::ScatterSheet(const SheetCoverage<Real>& sheet)
     : coverage_(sheet),
       ways_(sheet),
-      bounds_(sheet.sheet(), sheet.pyramid(), sheet.triangles(), ways_.last_depths()) {}
+      bounds_(sheet.sheet(), sheet.pyramid(), sheet.triangles(), ways_.last_depths()),
+      clusters_(beam_clusters(sheet, ways_)) {}
 
 template <class Real>
 LightDirection<Real> ScatterSheet<Real>::direction(glm::dvec2 disc) const {
@@ -59,13 +60,13 @@ glm::dvec3 ScatterSheet<Real>::collapsed() const {
 }
 
 template <class Real>
-void ScatterSheet<Real>::corners(std::uint32_t beam, glm::vec<2, Real> shift,
-                                 BeamCorner<Real> (&corner)[3]) const {
+void ScatterSheet<Real>::corners(const BeamCluster<Real>& cluster, glm::vec<2, Real> shift,
+                                 BeamCorner<Real> (&corner)[BeamCluster<Real>::kMost]) const {
     const light::BeamSheet<Real>& sheet = coverage_.sheet();
-    const glm::uvec3& triangle = coverage_.triangles()[beam];
-    for (int k = 0; k < 3; ++k) {
-        const auto& ray = sheet.rays[triangle[k]];
-        const Real start = sheet.start[triangle[k]];
+    for (int k = 0; k < cluster.vertices; ++k) {
+        const std::uint32_t vertex = cluster.vertex[k];
+        const auto& ray = sheet.rays[vertex];
+        const Real start = sheet.start[vertex];
         corner[k] = {ray.a - start * shift.x, ray.b - start * shift.y, ray.slope_a + shift.x,
                      ray.slope_b + shift.y, start};
     }

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "media/media.h"
-#include "methods/sliced_beams/beam_slices.h"
+#include "methods/sliced_beams/beam_cluster.h"
 #include "methods/sliced_beams/beam_ways.h"
 #include "methods/sliced_beams/phase_table.h"
 #include "methods/sliced_beams/scatter_bounds.h"
@@ -95,8 +95,10 @@ public:
     const SheetCoverage<Real>& coverage() const { return coverage_; }
     const BeamWays<Real>& ways() const { return ways_; }
     const ScatterBounds<Real>& bounds() const { return bounds_; }
-    /// The rays of a beam, moved.
-    void corners(std::uint32_t beam, glm::vec<2, Real> shift, BeamCorner<Real> (&corner)[3]) const;
+    const std::vector<BeamCluster<Real>>& clusters() const { return clusters_; }
+    /// The rays of a cluster's vertices, moved.
+    void corners(const BeamCluster<Real>& cluster, glm::vec<2, Real> shift,
+                 BeamCorner<Real> (&corner)[BeamCluster<Real>::kMost]) const;
 
 private:
     template <class>
@@ -105,6 +107,7 @@ private:
     const SheetCoverage<Real>& coverage_;
     BeamWays<Real> ways_;
     ScatterBounds<Real> bounds_;
+    std::vector<BeamCluster<Real>> clusters_;
 };
 
 extern template class ScatterSheet<float>;

@@ -98,7 +98,11 @@ void SlicedBeams::State::find_points(const FrameContext& context, const view::Re
 SlicedBeams::SlicedBeams(CoverageBackend coverage) : state_(std::make_unique<State>(coverage)) {}
 SlicedBeams::~SlicedBeams() = default;
 
-Support SlicedBeams::supports_surface(const scene::FrameState&) const {
+Support SlicedBeams::supports_surface(const scene::FrameState& state) const {
+    if (scene::has_glass(state)) {
+        return {Support::Degree::partly,
+                "all receivers, also behind water, glass and mirrors; none of the light that glass sends on"};
+    }
     return {Support::Degree::yes, "all receivers, also behind water and mirrors"};
 }
 
@@ -115,7 +119,8 @@ std::size_t SlicedBeams::bytes(const scene::FrameState& state, std::size_t) cons
         using sliced_beams::BeamWays, sliced_beams::ScatterBounds;
         vertex += BeamWays<float>::kBytesAVertex;
         beam += BeamWays<float>::kBytesABeam +
-                ScatterBounds<float>::bytes_a_cluster() / double{sliced_beams::kClusterBeams};
+                (ScatterBounds<float>::bytes_a_cluster() + sizeof(sliced_beams::BeamCluster<float>)) /
+                    double{sliced_beams::kClusterBeams};
     }
     double sheets = 0;
     for (const scene::Light& light : state.lights) {
@@ -167,7 +172,11 @@ void SlicedBeams::State::choose_backend(FrameContext& context) {
     on_device = pass->begin(sheets);
 }
 
-Support SlicedBeams::supports_volume(const scene::FrameState&) const {
+Support SlicedBeams::supports_volume(const scene::FrameState& state) const {
+    if (scene::has_glass(state)) {
+        return {Support::Degree::partly,
+                "light scattered once, without noise; none of the light that glass sends on"};
+    }
     return {Support::Degree::yes, "light scattered once, without noise"};
 }
 
