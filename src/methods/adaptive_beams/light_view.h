@@ -1,0 +1,57 @@
+#pragma once
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "scene/frame_scene.h"
+
+namespace dapple::methods::adaptive_beams {
+
+struct LightRay {
+    glm::dvec3 origin;     ///< m, relative to FrameScene::origin
+    glm::dvec3 direction;  ///< unit, of travel
+};
+
+/// Rays of one light (a sun: of one direction of its disc) towards one specular body, the water or an object
+/// of glass, named by (u, v) in [0, 1]^2. A sun's rays start on a parallelogram, a lamp's fill a rectangular
+/// pyramid, (u, v) being linear on a plane across it, so that straight lines in (u, v) are planes of rays and
+/// what adjoining triangles send adds up exactly.
+class LightView {
+public:
+    LightRay ray(glm::dvec2 uv) const;
+    /// What a light of unit irradiance (m^2) or unit intensity (sr) sends through a triangle of (u, v),
+    /// whichever way it turns; the falloff of a spot is not in it.
+    double extent(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c) const;
+    /// Intensity of a spot relative to its axis; 1 for other lights.
+    double falloff(glm::dvec2 uv) const;
+
+    bool parallel() const { return parallel_; }
+    /// W/m^2 or W/sr a channel that a unit of extent() stands for, but for the falloff.
+    const glm::dvec3& color() const { return color_; }
+    /// Whether the light is under water.
+    bool from_below() const { return from_below_; }
+
+private:
+    friend class LightViewMaker;
+    bool parallel_ = true;
+    bool from_below_ = false;
+    bool spot_ = false;
+    glm::dvec3 color_{0};
+    glm::dvec3 direction_{0, -1, 0};  // sun; axis of a spot
+    glm::dvec3 corner_{0};            // sun: where ray (0, 0) starts; lamp: its direction, not unit
+    glm::dvec3 along_u_{1, 0, 0};     // change of the same over u in [0, 1]
+    glm::dvec3 along_v_{0, 0, 1};
+    glm::dvec3 position_{0};  // lamp, relative to the origin
+    double cos_outer_ = -2;
+    double cos_inner_ = 1;
+};
+
+/// The views of one light that cover a body (light::kWater or an index into FrameState::objects): one, or up
+/// to six faces of a cube about a lamp that the body surrounds. `direction` is that of the sun's disc to look
+/// along, and `share` the share of the light that it stands for; lamps ignore the direction. Empty where the
+/// light does not reach: a sun that has set, or a lamp in the plane of the water. A body each has a view of
+/// its own, where Liktor and Dachsbacher (section 4.1) put all into one: a coarse grid then fits a small body
+/// in a wide pool too, and a low sun does not stretch it.
+std::vector<LightView> light_views(const scene::FrameScene& scene, int light, glm::dvec3 direction,
+                                   double share, int body);
+
+}  // namespace dapple::methods::adaptive_beams

@@ -1,0 +1,137 @@
+#include "methods/adaptive_beams/refinement.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/parallel.h"
+#include "methods/adaptive_beams/oracle_judge.h"
+#include "view/camera.h"
+
+namespace dapple::methods::adaptive_beams {
+namespace {
+
+/// Texels along a side of the light's view: two a finest cell, within these bounds.
+constexpr int kLeastTexels = 256;
+constexpr int kMostTexels = 2048;
+
+float mean(const glm::dvec3& v) {
+    return static_cast<float>((v.x + v.y + v.z) / 3);
+}
+
+/// 32 bits of a signature, never 0.
+std::uint32_t folded(std::uint64_t signature) {
+    return static_cast<std::uint32_t>(signature ^ signature >> 32) | 1;
+}
+
+layout::OracleWay way_of(const LightPath& path, std::size_t leg) {
+    if (leg >= path.legs.size()) return {};
+    const PathLeg& from = path.legs[leg];
+    return {glm::vec3(from.start), glm::vec3(from.direction), static_cast<float>(from.length),
+            mean(from.throughput), folded(from.signature)};
+}
+
+/// The oracle's view of a ray.
+void describe(const VertexPaths& ray, glm::dvec2 uv, int texels, layout::OracleVertex& vertex,
+              layout::OracleWay* ways) {
+    vertex = {};
+    vertex.uv = glm::vec2(uv * static_cast<double>(texels));
+    vertex.falloff = static_cast<float>(ray.falloff);
+    std::fill_n(ways, oracle_rules::kOracleWays, layout::OracleWay{});
+    if (!ray.on_body) return;
+    vertex.position = glm::vec3(ray.position);
+    vertex.normal = glm::vec3(ray.normal);
+    vertex.depth = static_cast<float>(ray.distance);
+    vertex.on_body = 1;
+    std::uint64_t ends = 0;
+    for (std::size_t event = 0; event < 2; ++event) {
+        const LightPath& path = ray.paths[event];
+        for (const PathLeg& leg : path.legs)
+            ends = (ends * 0x9e3779b97f4a7c15u + leg.signature) * 0x9e3779b97f4a7c15u +
+                   static_cast<std::uint64_t>(leg.end + 3);
+        ends = ends * 31 + path.legs.size();
+        ways[2 * event] = way_of(path, 0);
+        if (path.legs.size() > 1) ways[2 * event + 1] = way_of(path, path.legs.size() - 1);
+    }
+    vertex.ends = folded(ends);
+}
+
+layout::OraclePush settings_of(const scene::FrameScene& scene, int body, int texels) {
+    layout::OraclePush push{};
+    const scene::FrameState& state = scene.state;
+    push.camera = glm::vec3(state.camera.position - scene.origin);
+    if (state.camera.projection == scene::Projection::perspective) {
+        push.pixel_angle =
+            static_cast<float>(2 * std::tan(0.5 * state.camera.field_of_view) / state.clip.height);
+    } else {
+        push.pixel_size = static_cast<float>(state.camera.view_height / state.clip.height);
+    }
+    // At upright incidence a normal that turns by x turns what is reflected by 2 x and what goes into a
+    // medium of index n by (1 - 1/n) x; glass has two surfaces, which send it off its way by (n - 1) x each.
+    push.reflection = 2;
+    if (body == light::kWater) {
+        push.transmission = static_cast<float>(std::abs(1 - 1 / state.water->refractive_index));
+    } else {
+        const double index = state.objects[static_cast<std::size_t>(body)].material.refractive_index;
+        push.transmission = static_cast<float>(2 * std::abs(index - 1));
+    }
+    push.transmission = std::max(push.transmission, 1e-3F);
+    push.texels = static_cast<std::uint32_t>(texels);
+    return push;
+}
+
+/// Traces the rays of vertices that have none yet.
+void trace_new(const PathTracer& tracer, const ProjectedGrid& grid, TracedRays& rays) {
+    const std::size_t first = rays.uv.size(), count = grid.vertices() - first;
+    for (std::size_t i = 0; i < count; ++i) rays.uv.push_back(grid.uv(static_cast<std::uint32_t>(first + i)));
+    rays.paths.resize(first + count);
+    tracer.trace(std::span(rays.uv).subspan(first), std::span(rays.paths).subspan(first));
+}
+
+}  // namespace
+
+RefinedGrid refine(const scene::FrameScene& scene, const PathTracer& tracer, int body, int cells, int levels,
+                   OraclePass* pass, FrameStats& stats) {
+    RefinedGrid refined{ProjectedGrid(cells, levels), {}, 0};
+    ProjectedGrid& grid = refined.grid;
+    TracedRays& rays = refined.rays;
+    trace_new(tracer, grid, rays);
+    if (levels == 0) return refined;
+    const int texels = std::clamp(2 * (cells << levels), kLeastTexels, kMostTexels);
+    refined.texels = static_cast<std::size_t>(texels);
+    std::vector<layout::OracleTexel> surface(refined.texels * refined.texels);
+    {
+        const std::vector<SurfaceTexel> found = tracer.first_surfaces(texels);
+        for (std::size_t i = 0; i < found.size(); ++i)
+            surface[i] = {found[i].normal, found[i].on_body ? 1u : 0u};
+    }
+    OracleTask task;
+    task.settings = settings_of(scene, body, texels);
+    for (int level = 0; level < levels; ++level) {
+        task.edges.clear();
+        for (std::uint32_t e = 0; e < grid.edges().size(); ++e) {
+            const auto& [first, second] = grid.edges()[e].vertices;
+            task.edges.push_back({first, second, grid.middle(e)});
+        }
+        task.triangles.clear();
+        for (const ProjectedGrid::Triangle& t : grid.triangles())
+            task.triangles.push_back(
+                {{t.vertices[0], t.vertices[1], t.vertices[2]}, {t.edges[0], t.edges[1], t.edges[2]}});
+        const std::size_t known = rays.uv.size();
+        trace_new(tracer, grid, rays);
+        task.vertices.resize(rays.uv.size());
+        task.ways.resize(rays.uv.size() * oracle_rules::kOracleWays);
+        for (std::size_t i = level == 0 ? 0 : known; i < rays.uv.size(); ++i)
+            describe(rays.paths[i], rays.uv[i], texels, task.vertices[i],
+                     &task.ways[i * oracle_rules::kOracleWays]);
+        const Verdicts verdicts = pass != nullptr ? pass->judge(task, surface, stats) : judge(task, surface);
+        std::vector<std::uint8_t> marks(grid.edges().size());
+        for (std::size_t e = 0; e < marks.size(); ++e) marks[e] = verdicts.edges[e] != oracle_rules::kKept;
+        for (std::size_t t = 0; t < verdicts.triangles.size(); ++t)
+            if (verdicts.triangles[t] == oracle_rules::kHidden)
+                for (const std::uint32_t edge : grid.triangles()[t].edges) marks[edge] = 1;
+        grid.split(marks);
+    }
+    return refined;
+}
+
+}  // namespace dapple::methods::adaptive_beams

@@ -1,0 +1,28 @@
+#pragma once
+#include <cstddef>
+#include <vector>
+
+#include "light/beam_mesh.h"
+#include "methods/adaptive_beams/beam_paths.h"
+#include "methods/adaptive_beams/beam_pieces.h"
+#include "methods/adaptive_beams/light_view.h"
+#include "methods/adaptive_beams/oracle.h"
+#include "methods/adaptive_beams/projected_grid.h"
+#include "scene/frame_scene.h"
+
+namespace dapple::methods::adaptive_beams {
+
+/// A projected grid of one view, refined, with the ray of each of its vertices (same numbers; middles of
+/// edges that were looked at but not cut have numbers too).
+struct RefinedGrid {
+    ProjectedGrid grid;
+    TracedRays rays;
+    std::size_t texels = 0;  ///< of the light's view, along a side
+};
+
+/// Refines a grid of `cells` x `cells` squares up to `levels` times where the oracle asks for it. `pass` may
+/// be null: the oracle then is judge().
+RefinedGrid refine(const scene::FrameScene& scene, const PathTracer& tracer, int body, int cells, int levels,
+                   OraclePass* pass, FrameStats& stats);
+
+}  // namespace dapple::methods::adaptive_beams
