@@ -1,6 +1,7 @@
 #include "methods/sliced_beams/beam_cluster.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/parallel.h"
 
@@ -20,7 +21,12 @@ void add_beam(BeamCluster<Real>& cluster, std::uint32_t beam, const SheetCoverag
         const std::uint32_t* const known = std::find<const std::uint32_t*>(cluster.vertex, end, vertex);
         if (known == end) cluster.vertex[cluster.vertices++] = vertex;
         added.corner[k] = static_cast<std::uint8_t>(known - cluster.vertex);
+        cluster.first_start = std::min(cluster.first_start, coverage.sheet().start[vertex]);
         cluster.last_start = std::max(cluster.last_start, coverage.sheet().start[vertex]);
+        const auto& ray = coverage.sheet().rays[vertex];
+        const Real stretch = std::sqrt(1 + ray.slope_a * ray.slope_a + ray.slope_b * ray.slope_b);
+        cluster.least_stretch = std::min(cluster.least_stretch, stretch);
+        cluster.most_stretch = std::max(cluster.most_stretch, stretch);
         if (added.shade & BeamWays<Real>::kCut)
             cluster.first_stop = std::min(cluster.first_stop, ways.stop(vertex));
     }

@@ -27,8 +27,10 @@ struct BeamCluster {
     Edge edge[kMost];
     Beam beam[kClusterBeams];
     std::uint8_t vertices = 0, edges = 0, beams = 0;
+    Real first_start = std::numeric_limits<Real>::infinity();  ///< m, no beam leaves the water before
     Real last_start = -std::numeric_limits<Real>::infinity();  ///< m, all beams have left the water by there
     Real first_stop = std::numeric_limits<Real>::infinity();   ///< m, no beam is cut by an object before
+    Real least_stretch = std::numeric_limits<Real>::infinity(), most_stretch = 0;  ///< m of way a m of depth
 };
 
 /// Of all finest nodes of a sheet's pyramid, in their order.

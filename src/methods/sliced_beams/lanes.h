@@ -52,6 +52,14 @@ inline Lanes<double> multiply_add(Lanes<double> x, Lanes<double> y, Lanes<double
     return reinterpret_cast<Lanes<double>>(_mm256_fmadd_pd(
         reinterpret_cast<__m256d>(x), reinterpret_cast<__m256d>(y), reinterpret_cast<__m256d>(z)));
 }
+/// x^(-1/2); in float within 3 ulp: an estimate of 12 bits and a step of Newton's.
+inline Lanes<float> inverse_root(Lanes<float> x) {
+    const auto estimate = reinterpret_cast<Lanes<float>>(_mm256_rsqrt_ps(reinterpret_cast<__m256>(x)));
+    return estimate * (1.5f - (0.5f * x) * estimate * estimate);
+}
+inline Lanes<double> inverse_root(Lanes<double> x) {
+    return 1.0 / reinterpret_cast<Lanes<double>>(_mm256_sqrt_pd(reinterpret_cast<__m256d>(x)));
+}
 template <class Numbers>
 inline Numbers magnitude(Numbers x) {
     return x < 0 ? -x : x;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "methods/sliced_beams/landing.h"
+#include "optics/optics.h"
 
 namespace dapple::methods::sliced_beams {
 namespace {
@@ -13,21 +14,42 @@ constexpr int kCells = 4096;
 }  // namespace
 
 template <class Real>
-PhaseTable<Real>::PhaseTable(const media::Media& media, std::size_t component) : values_(kCells + 2) {
+PhaseTable<Real>::PhaseTable(const media::Media& media, std::size_t component) {
+    const scene::PhaseFunction& phase = *media.components()[component].phase;
+    const auto add_lobe = [&](double g, double share) {
+        const double size = std::abs(g), sides = optics::f64::isotropic_phase() * share * (1 - g) * (1 + g);
+        lobes_[lobe_count_++] = {static_cast<Real>(sides),
+                                 static_cast<Real>(g < 0 ? (1 + size) * (1 + size) : (1 - size) * (1 - size)),
+                                 static_cast<Real>(4 * g)};
+    };
+    even_ = static_cast<Real>(media.phase(component, 0));
+    switch (phase.type) {
+        case scene::PhaseType::isotropic:
+            return;
+        case scene::PhaseType::henyey_greenstein:
+            add_lobe(phase.anisotropy, 1);
+            return;
+        case scene::PhaseType::two_lobe:
+            add_lobe(phase.anisotropy, phase.forward_share);
+            add_lobe(phase.back_anisotropy, 1 - phase.forward_share);
+            return;
+        case scene::PhaseType::fournier_forand:
+        case scene::PhaseType::table:
+            break;
+    }
+    values_.resize(kCells + 2);
     for (int i = 0; i <= kCells; ++i) {
         const double place = static_cast<double>(i) / kCells;
         const double sine = place * place;  // of half the angle
         values_[static_cast<std::size_t>(i)] = static_cast<Real>(media.phase(component, 1 - 2 * sine * sine));
     }
     values_.back() = values_[kCells];
-    even_ = std::all_of(values_.begin(), values_.end(), [&](Real value) { return value == values_[0]; });
 }
 
 template <class Real>
-Lanes<Real> PhaseTable<Real>::operator()(Lanes<Real> sine) const {
-    if (even_) return splat(values_[0]);
-    const Lanes<Real> place =
-        Real(kCells) * square_root<Real>(lesser(greater(sine, Lanes<Real>{}), splat(Real(1))));
+Lanes<Real> PhaseTable<Real>::tabulated(Lanes<Real> squared_sine) const {
+    const Lanes<Real> held = lesser(greater(squared_sine, Lanes<Real>{}), splat(Real(1)));
+    const Lanes<Real> place = Real(kCells) * square_root<Real>(square_root<Real>(held));
     if constexpr (sizeof(Real) == 4) {
         const __m256i cell = _mm256_cvttps_epi32(reinterpret_cast<__m256>(place));
         const auto low = reinterpret_cast<Lanes<Real>>(_mm256_i32gather_ps(values_.data(), cell, 4));
@@ -41,8 +63,9 @@ Lanes<Real> PhaseTable<Real>::operator()(Lanes<Real> sine) const {
 }
 
 template <class Real>
-Real PhaseTable<Real>::at(Real sine) const {
-    return between(Real(kCells) * std::sqrt(std::min(sine, Real(1))));
+Real PhaseTable<Real>::at(Real squared_sine) const {
+    if (values_.empty()) return (*this)(splat(squared_sine))[0];
+    return between(Real(kCells) * std::sqrt(std::sqrt(std::min(squared_sine, Real(1)))));
 }
 
 template <class Real>

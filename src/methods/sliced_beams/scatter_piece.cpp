@@ -16,6 +16,10 @@ template <class Real>
 constexpr Real kThinEnough = sizeof(Real) == 4 ? Real(1) : Real(0.35);
 /// Where two nodes are as good: change of the area on the interval, relative, and optical depth.
 constexpr double kTwoNodesEven = 0.1, kTwoNodesThin = 0.25;
+/// Optical depth about the mean that the moments hold for: by that to the fifth over 120, 8e-8 in float,
+/// 8e-13 in double, their series of e^-x is off.
+template <class Real>
+constexpr Real kSmooth = sizeof(Real) == 4 ? Real(0.1) : Real(0.01);
 
 }  // namespace
 
@@ -35,16 +39,16 @@ typename ScatterQuery<Real>::Node ScatterQuery<Real>::node(const L& t) const {
     n.slope_b = mix(c0.slope_b, c1.slope_b, c2.slope_b);
     n.start = mix(c0.start, c1.start, c2.start);
     const L depth = multiply_add(t, part_.half_depth, part_.depth);
-    n.stretch = square_root<Real>(
-        multiply_add(n.slope_a, n.slope_a, multiply_add(n.slope_b, n.slope_b, splat(Real(1)))));
+    const L squared = multiply_add(n.slope_a, n.slope_a, multiply_add(n.slope_b, n.slope_b, splat(Real(1))));
+    n.stretch = square_root<Real>(squared);
     n.path = multiply_add(depth - n.start, n.stretch, multiply_add(t, half_, middle_));
     if (!medium_.phase->even()) {
         // |before - after| / 2: half the angle between unit vectors loses no digits so.
-        const L unit = splat(Real(1)) / n.stretch;
+        const L unit = inverse_root(squared);
         const L a = multiply_add(n.slope_a, unit, segments_.to_a);
         const L b = multiply_add(n.slope_b, unit, segments_.to_b);
         const L d = unit + segments_.to_depth;
-        n.sine = Real(0.5) * square_root<Real>(a * a + b * b + d * d);
+        n.squared_sine = Real(0.25) * multiply_add(a, a, multiply_add(b, b, d * d));
     }
     return n;
 }
@@ -129,21 +133,96 @@ void ScatterQuery<Real>::add_thin(const L& enter, const L& leave, const Mask<Rea
 }
 
 template <class Real>
-bool ScatterQuery<Real>::add_even(const L& enter, const L& leave, const Mask<Real>& mask) {
-    const L middle = Real(0.5) * (enter + leave), half = Real(0.5) * (leave - enter);
+bool ScatterQuery<Real>::weigh_even(const L& middle, const L& half, const Mask<Real>& mask, L (&place)[2],
+                                    L (&weight)[2]) {
     const L q0 = slices_.area(middle);
     const L q1 = half * multiply_add(Real(2) * slices_.area.c2, middle, slices_.area.c1);
     const L q2 = half * half * slices_.area.c2;
     if (any(mask & ~(magnitude(q1) + Real(10) * magnitude(q2) <= Real(kTwoNodesEven) * magnitude(q0))))
         return false;
     constexpr Real u = Real(0.5773502691896258);  // Gauss & Legendre's rule, exact for degree three
-    const Node nodes[2] = {node(middle - u * half), node(middle + u * half)};
-    const L change = magnitude(nodes[1].path - nodes[0].path) * (medium_.most / u);
-    if (any(mask & ~(change <= Real(kTwoNodesThin)))) return false;
     const L even = multiply_add(q2, splat(u * u), q0);
-    L weight[2] = {Real(1) / magnitude(even - u * q1), Real(1) / magnitude(even + u * q1)};
+    place[0] = middle - u * half;
+    place[1] = middle + u * half;
+    weight[0] = Real(1) / magnitude(even - u * q1);
+    weight[1] = Real(1) / magnitude(even + u * q1);
+    return true;
+}
+
+template <class Real>
+bool ScatterQuery<Real>::add_even(const L& enter, const L& leave, const Mask<Real>& mask) {
+    const L middle = Real(0.5) * (enter + leave), half = Real(0.5) * (leave - enter);
+    L place[2], weight[2];
+    if (!weigh_even(middle, half, mask, place, weight)) return false;
+    const Node nodes[2] = {node(place[0]), node(place[1])};
+    const L change = magnitude(nodes[1].path - nodes[0].path) * (medium_.most * Real(1.7320508));
+    if (any(mask & ~(change <= Real(kTwoNodesThin)))) return false;
     sum_up(nodes, weight, half, mask);
     return true;
+}
+
+template <class Real>
+bool ScatterQuery<Real>::begin_moments(const BeamCluster<Real>& cluster, const Mask<Real>& met) {
+    if (uneven_) return false;
+    const Real lean = std::abs(direction_.shift.x) + std::abs(direction_.shift.y);
+    const Real start = Real(0.5) * (cluster.first_start + cluster.last_start);
+    const Real stretch = Real(0.5) * (cluster.least_stretch + cluster.most_stretch);
+    const Real most = cluster.most_stretch + lean;
+    const L below = part_.depth - start;
+    const L off = multiply_add(magnitude(below), splat(most - stretch),
+                               multiply_add(magnitude(part_.half_depth), splat(most), half_)) +
+                  (cluster.last_start - start) * most;
+    if (any(met & (off * medium_.most > kSmooth<Real>))) return false;
+    mean_path_ = greater(multiply_add(below, splat(stretch), middle_), L{});
+    for (L& moment : moments_) moment = L{};
+    return true;
+}
+
+template <class Real>
+void ScatterQuery<Real>::add_moments(const L& enter, const L& leave, const Mask<Real>& mask) {
+    const L middle = Real(0.5) * (enter + leave), half = Real(0.5) * (leave - enter);
+    if constexpr (sizeof(Real) == 4) {
+        L place[2], weight[2];
+        if (weigh_even(middle, half, mask, place, weight)) return gather(place, weight, half, mask);
+    }
+    L weight[3], place[3];
+    weigh(middle, half, mask, weight);
+    for (int j = 0; j < 3; ++j) place[j] = multiply_add(half, splat(Real(kNodes[j])), middle);
+    gather(place, weight, half, mask);
+}
+
+template <class Real>
+template <int kCount>
+void ScatterQuery<Real>::gather(const L (&place)[kCount], const L (&weight)[kCount], const L& half,
+                                const Mask<Real>& mask) {
+    const L scale = half * flux_;
+    for (int j = 0; j < kCount; ++j) {
+        const Node n = node(place[j]);
+        L light = weight[j] * scale * n.stretch * (*medium_.phase)(n.squared_sine);
+        const auto finite = light <= std::numeric_limits<Real>::max();
+        if (any(mask & ~finite))
+            counts_.dropped += 3 * static_cast<std::size_t>(__builtin_popcount(bits(mask & ~finite)));
+        light = (mask & finite) ? light : L{};
+        const L off = n.path - mean_path_;
+        moments_[0] += light;
+        for (int i = 1; i < kMoments; ++i) {
+            light *= off;
+            moments_[i] += light;
+        }
+    }
+}
+
+template <class Real>
+void ScatterQuery<Real>::settle_moments() {
+    for (int channel = 0; channel < 3; ++channel) {
+        // e^-(x + y) = e^-x (1 - y (1 - y / 2 (1 - ...)))
+        const Real extinction = medium_.extinction[channel];
+        L sum = moments_[kMoments - 1];
+        for (int i = kMoments - 1; i > 0; --i)
+            sum = multiply_add(sum, splat(-extinction / static_cast<Real>(i)), moments_[i - 1]);
+        const Real scale = medium_.scattering[channel] * color_[channel];
+        radiance_[channel] += half_ * scale * decay(extinction * mean_path_) * sum;
+    }
 }
 
 template <class Real>
@@ -151,7 +230,8 @@ template <int kCount>
 void ScatterQuery<Real>::sum_up(const Node (&nodes)[kCount], L (&weight)[kCount], const L& half,
                                 const Mask<Real>& mask) {
     const L scale = half * half_ * flux_;
-    for (int j = 0; j < kCount; ++j) weight[j] *= scale * nodes[j].stretch * (*medium_.phase)(nodes[j].sine);
+    for (int j = 0; j < kCount; ++j)
+        weight[j] *= scale * nodes[j].stretch * (*medium_.phase)(nodes[j].squared_sine);
     for (int channel = 0; channel < 3; ++channel) {
         const Real extinction = medium_.extinction[channel];
         L sum{};
@@ -241,17 +321,25 @@ void ScatterQuery<Real>::add_part(const SegmentScatter& scatter, std::size_t pie
     const double way = std::max(0.0, (depth - start) * stretch);
     for (int c = 0; c < 3; ++c) dimmed[c] += way * static_cast<double>(medium_.extinction[c]);
     const glm::dvec3 seen(at(segments_.to_a), at(segments_.to_b), at(segments_.to_depth));
-    const double sine = 0.5 * glm::length(slope / stretch + seen);
+    const glm::dvec3 turn = slope / stretch + seen;
+    const double squared_sine = 0.25 * glm::dot(turn, turn);
     glm::dvec3 scattered(0);
     for (std::size_t i = 0; i < uneven_->phases.size(); ++i)
         if (scattered_[i] != glm::dvec3(0))
-            scattered += static_cast<double>(uneven_->phases[i].at(static_cast<Real>(sine))) * scattered_[i];
+            scattered +=
+                static_cast<double>(uneven_->phases[i].at(static_cast<Real>(squared_sine))) * scattered_[i];
     for (int c = 0; c < 3; ++c)
         light[c] += static_cast<double>(color_[c]) * density * stretch * std::exp(-dimmed[c]) * scattered[c];
 }
 
 template void ScatterQuery<float>::add_piece(const L&, const L&, Mask<float>);
 template void ScatterQuery<double>::add_piece(const L&, const L&, Mask<double>);
+template bool ScatterQuery<float>::begin_moments(const BeamCluster<float>&, const Mask<float>&);
+template bool ScatterQuery<double>::begin_moments(const BeamCluster<double>&, const Mask<double>&);
+template void ScatterQuery<float>::add_moments(const L&, const L&, const Mask<float>&);
+template void ScatterQuery<double>::add_moments(const L&, const L&, const Mask<double>&);
+template void ScatterQuery<float>::settle_moments();
+template void ScatterQuery<double>::settle_moments();
 template typename ScatterQuery<float>::Node ScatterQuery<float>::node(const L&) const;
 template typename ScatterQuery<double>::Node ScatterQuery<double>::node(const L&) const;
 

@@ -47,6 +47,7 @@ void ScatterQuery<Real>::add_cluster(const BeamCluster<Real>& cluster, const Mas
     sheet_.corners(cluster, direction_.shift, corners_);
     cluster_.find(cluster, corners_, part_, met);
     const bool free = lies_free(cluster, met);
+    by_moments_ = begin_moments(cluster, met);
     const typename BeamCluster<Real>::Beam* known = nullptr;
     cluster_.visit_pieces([&](int i, const L& enter, const L& leave, const Mask<Real>& mask) {
         const auto& beam = cluster.beam[i];
@@ -63,6 +64,7 @@ void ScatterQuery<Real>::add_cluster(const BeamCluster<Real>& cluster, const Mas
         else
             cut_piece(enter, leave, mask);
     });
+    if (by_moments_ && known) settle_moments();
 }
 
 template <class Real>
@@ -144,6 +146,8 @@ void ScatterQuery<Real>::take_piece(const L& enter, const L& leave, const Mask<R
     counts_.intervals += static_cast<std::size_t>(__builtin_popcount(bits(mask)));
     if (shade_ & (Ways::kMixedAfter | Ways::kMixedBefore))
         add_shadowed(enter, leave, mask);
+    else if (by_moments_)
+        add_moments(enter, leave, mask);
     else
         add_piece(enter, leave, mask);
 }

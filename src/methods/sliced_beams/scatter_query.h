@@ -61,12 +61,18 @@ private:
 
     /// The ray through a point of the beam.
     struct Node {
-        L path;     ///< m from the water to the point, and back to the segment's near end
-        L stretch;  ///< m of way a m of depth
-        L sine;     ///< of half the angle between the ways before and after
+        L path;          ///< m from the water to the point, and back to the segment's near end
+        L stretch;       ///< m of way a m of depth
+        L squared_sine;  ///< of half the angle between the ways before and after
         L slope_a, slope_b, start;
     };
     Node node(const L& t) const;
+
+    /// Whether light is dimmed so alike on all ways over a cluster that a few moments of them tell it:
+    /// prepares them.
+    bool begin_moments(const BeamCluster<Real>& cluster, const Mask<Real>& met);
+    void add_moments(const L& enter, const L& leave, const Mask<Real>& mask);
+    void settle_moments();
 
     void add_piece(const L& enter, const L& leave, Mask<Real> mask);
 
@@ -81,6 +87,12 @@ private:
     /// Most intervals are so short that hardly anything changes along them: there two nodes do. False: on
     /// this one they do not.
     bool add_even(const L& enter, const L& leave, const Mask<Real>& mask);
+
+    /// Nodes of Gauss & Legendre's rule, of two, and weights of them; false: see add_even.
+    bool weigh_even(const L& middle, const L& half, const Mask<Real>& mask, L (&place)[2], L (&weight)[2]);
+
+    template <int kCount>
+    void gather(const L (&place)[kCount], const L (&weight)[kCount], const L& half, const Mask<Real>& mask);
 
     template <int kCount>
     void sum_up(const Node (&nodes)[kCount], L (&weight)[kCount], const L& half, const Mask<Real>& mask);
@@ -111,6 +123,11 @@ private:
     std::uint32_t beam_ = 0;
     std::uint8_t shade_ = 0;  ///< of the beam
     Real flux_ = 0;           ///< of the beam, doubled as its area is
+    static constexpr int kMoments = 5;
+    bool by_moments_ = false;
+    L mean_path_{};          ///< m, about which moments are taken
+    L moments_[kMoments]{};  ///< of a cluster's light, undimmed, per path^i
+
     /// Light of a part of an interval, if nothing stands in its way.
     struct Pair {
         int lane;
