@@ -53,6 +53,10 @@ vk::PipelineColorBlendAttachmentState blend_state(Blend blend) {
             .colorWriteMask = Channel::eR | Channel::eG | Channel::eB | Channel::eA};
 }
 
+vk::CullModeFlagBits cull_mode(Cull cull) {
+    return cull == Cull::front ? vk::CullModeFlagBits::eFront : vk::CullModeFlagBits::eNone;
+}
+
 }  // namespace
 
 ComputePipeline::ComputePipeline(Device& device, std::string_view name, std::span<const std::uint32_t> spirv,
@@ -117,7 +121,7 @@ RasterPipeline::RasterPipeline(Device& device, std::string_view name,
                                                                  : vk::PrimitiveTopology::eTriangleList};
         const vk::PipelineViewportStateCreateInfo viewport{.viewportCount = 1, .scissorCount = 1};
         const vk::PipelineRasterizationStateCreateInfo raster{.polygonMode = vk::PolygonMode::eFill,
-                                                              .cullMode = vk::CullModeFlagBits::eNone,
+                                                              .cullMode = cull_mode(description.cull),
                                                               .frontFace = vk::FrontFace::eCounterClockwise,
                                                               .lineWidth = 1};
         const vk::PipelineMultisampleStateCreateInfo samples{.rasterizationSamples =

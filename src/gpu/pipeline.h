@@ -35,15 +35,18 @@ private:
 
 enum class Topology { points, triangles };
 enum class Blend { none, add };
+/// Faces that are not drawn: a face is front where its corners are counter-clockwise in the picture.
+enum class Cull { none, front };
 
 /// Vertices are pulled from storage buffers by gl_VertexIndex; an index buffer is optional at the draw. The
-/// viewport is the whole target: clip space (-1, -1) is the top left corner of pixel (0, 0), y points down;
-/// nothing is culled. Points are squares of gl_PointSize pixels (up to Device::largest_point_size).
+/// viewport is the whole target: clip space (-1, -1) is the top left corner of pixel (0, 0), y points down.
+/// Points are squares of gl_PointSize pixels (up to Device::largest_point_size).
 /// Primitives blend in their order.
 struct RasterDescription {
     Interface interface {};
     Topology topology = Topology::triangles;
     Blend blend = Blend::none;
+    Cull cull = Cull::none;
     std::vector<Format> color_formats{};
     bool depth_test = false;  ///< less-or-equal against a depth32f attachment cleared to 1
 };

@@ -83,6 +83,9 @@ public:
     /// E of each layer; any batching of layers gives the same bits. `results` has one entry a layer.
     virtual void irradiance(FrameContext& context, std::span<const view::ReceiverLayer> layers,
                             std::span<LayerResult> results) = 0;
+    /// The receivers of the layer whose segments in_scatter() is asked for next: a method that finds E with S
+    /// may do so then, and keep E for irradiance().
+    virtual void expect(const view::ReceiverLayer&) {}
     /// Single-scattered caustic radiance S of each segment of a layer, W/m^2/sr, attenuated to the segment's
     /// near end: light that came through one of the context's chains and is then scattered once on the
     /// segment. `radiance` has an entry a segment and holds 0. Called only where supports_volume() is not no.

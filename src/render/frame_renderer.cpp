@@ -173,6 +173,7 @@ private:
         stats_.count("longest chain hits", static_cast<double>(counts.longest_chain_hits));
         if (!plan_.volume) return layer;
         stats_.count("camera segments", static_cast<double>(segments.segments()));
+        if (plan_.caustics && plan_.volume_caustics) method_.expect(layer.receivers);
         const AskSegments ask = [&](const view::SegmentLayer& asked) { return scattered(asked); };
         const SegmentRadiance radiance =
             plan_.half_volume ? at_half_resolution(segments, ask) : ask(segments);

@@ -1,34 +1,130 @@
 #include "methods/adaptive_beams/adaptive_beams.h"
 
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "methods/adaptive_beams/beam_renderer.h"
 #include "methods/adaptive_beams/make_beams.h"
 
 namespace dapple::methods {
 
+using adaptive_beams::BeamRenderer;
+using adaptive_beams::BeamSet;
+using adaptive_beams::BeamSums;
+using adaptive_beams::VolumeKind;
+
+namespace {
+
+/// E of a layer that was drawn together with its S.
+struct KeptIrradiance {
+    int sample;
+    int branch;
+    std::vector<glm::vec3> irradiance;
+};
+
+bool is_primary(std::uint32_t flags) {
+    return (flags & (view::kReceiver | view::kBehindSpecular)) == view::kReceiver;
+}
+
+bool any_primary(const view::ReceiverLayer& layer) {
+    return std::any_of(layer.flags.begin(), layer.flags.end(), is_primary);
+}
+
+}  // namespace
+
 struct AdaptiveBeams::State {
-    std::vector<adaptive_beams::BeamSet> beams;
+    std::vector<BeamSet> beams;
+    std::optional<BeamRenderer> renderer;  ///< once a device is known
+    const view::ReceiverLayer* expected = nullptr;
+    std::vector<KeptIrradiance> kept;
 };
 
 AdaptiveBeams::AdaptiveBeams() : state_(std::make_unique<State>()) {}
 AdaptiveBeams::~AdaptiveBeams() = default;
 
 Support AdaptiveBeams::supports_surface(const scene::FrameState&) const {
-    return {Support::Degree::no, "nothing is drawn"};
+    return {Support::Degree::partly,
+            "receivers that the camera sees neither through nor by water, mirrors or glass"};
 }
 
-Support AdaptiveBeams::supports_volume(const scene::FrameState&) const {
-    return {Support::Degree::no, "nothing is drawn"};
+Support AdaptiveBeams::supports_volume(const scene::FrameState& state) const {
+    if (!state.water || state.water->scattering == glm::dvec3(0))
+        return {Support::Degree::no, "of media it knows the water itself, which does not scatter here"};
+    return {
+        Support::Degree::partly,
+        state.media.empty()
+            ? "where the camera looks through neither water's surface, mirrors nor glass"
+            : "of the water itself, where the camera looks through neither its surface, mirrors nor glass"};
 }
 
-std::size_t AdaptiveBeams::bytes(const scene::FrameState&, std::size_t) const {
-    return 0;
+std::size_t AdaptiveBeams::bytes(const scene::FrameState& state, std::size_t pixels) const {
+    // Four pictures, two buffers of their size and the sums of a layer, of up to four layers kept. Beams at
+    // worst: all cells of the grid split at every level, in the sets of all lights.
+    constexpr double a_pixel = 6 * sizeof(glm::vec4) + 6 * sizeof(glm::vec3);
+    constexpr double a_beam = 520;
+    const scene::AdaptiveBeamsParameters& parameters = state.caustics.adaptive_beams;
+    const double side = static_cast<double>(parameters.grid) * static_cast<double>(1 << parameters.levels);
+    double sets = 0;
+    for (const scene::Light& light : state.lights)
+        sets += light.type == scene::LightType::sun ? 2.0 * parameters.sun_samples : 2.0;
+    return static_cast<std::size_t>(
+        std::min(0x1p61, a_pixel * static_cast<double>(pixels) + sets * 2 * side * side * a_beam));
 }
 
 void AdaptiveBeams::begin(FrameContext& context) {
-    state_->beams = adaptive_beams::make_beams(context);
+    State& s = *state_;
+    s.kept.clear();
+    s.expected = nullptr;
+    s.beams = adaptive_beams::make_beams(context);
+    if (!s.renderer) s.renderer.emplace(context.device);
+    s.renderer->begin(context.scene, s.beams, VolumeKind::six_triangles, context.stats);
 }
 
-void AdaptiveBeams::irradiance(FrameContext&, std::span<const view::ReceiverLayer>, std::span<LayerResult>) {}
+void AdaptiveBeams::expect(const view::ReceiverLayer& layer) {
+    state_->expected = &layer;
+}
 
-void AdaptiveBeams::in_scatter(FrameContext&, const view::SegmentLayer&, std::span<glm::vec3>) {}
+void AdaptiveBeams::irradiance(FrameContext& context, std::span<const view::ReceiverLayer> layers,
+                               std::span<LayerResult> results) {
+    State& s = *state_;
+    for (std::size_t i = 0; i < layers.size(); ++i) {
+        const view::ReceiverLayer& layer = layers[i];
+        const auto kept = std::find_if(s.kept.begin(), s.kept.end(), [&](const KeptIrradiance& k) {
+            return k.sample == layer.sample && k.branch == layer.branch;
+        });
+        std::vector<glm::vec3> values;
+        if (kept != s.kept.end()) {
+            values = std::move(kept->irradiance);
+            s.kept.erase(kept);
+        } else if (any_primary(layer)) {
+            values = s.renderer->render(nullptr, &layer, context.stats).irradiance;
+        } else {
+            continue;
+        }
+        for (std::size_t pixel = 0; pixel < layer.pixels(); ++pixel) {
+            if (!is_primary(layer.flags[pixel])) continue;
+            results[i].irradiance[pixel] = values[pixel];
+            results[i].covered[pixel] = 1;
+        }
+    }
+}
+
+void AdaptiveBeams::in_scatter(FrameContext& context, const view::SegmentLayer& layer,
+                               std::span<glm::vec3> radiance) {
+    State& s = *state_;
+    const view::ReceiverLayer* receivers = std::exchange(s.expected, nullptr);
+    if (receivers && !any_primary(*receivers)) receivers = nullptr;
+    if (std::none_of(layer.primary.begin(), layer.primary.end(), [](auto p) { return p != 0; })) return;
+    BeamSums sums = s.renderer->render(&layer, receivers, context.stats);
+    for (std::size_t pixel = 0; pixel + 1 < layer.first.size(); ++pixel) {
+        for (std::uint32_t k = layer.first[pixel]; k < layer.first[pixel + 1]; ++k) {
+            if (!layer.primary[k]) continue;
+            radiance[k] = sums.scattered[pixel];
+            break;
+        }
+    }
+    if (receivers) s.kept.push_back({receivers->sample, receivers->branch, std::move(sums.irradiance)});
+}
 
 }  // namespace dapple::methods

@@ -19,6 +19,7 @@ public:
     void begin(FrameContext& context) override;
     void irradiance(FrameContext& context, std::span<const view::ReceiverLayer> layers,
                     std::span<LayerResult> results) override;
+    void expect(const view::ReceiverLayer& layer) override;
     void in_scatter(FrameContext& context, const view::SegmentLayer& layer,
                     std::span<glm::vec3> radiance) override;
 

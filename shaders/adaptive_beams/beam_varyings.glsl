@@ -1,0 +1,14 @@
+// A beam on its way from vertices to fragments, the same for all of its fragments: WAY is out or in. Fields are
+// those of DrawnBeam.
+layout(location = 0) flat WAY vec4 ray_0;
+layout(location = 1) flat WAY vec4 ray_1;
+layout(location = 2) flat WAY vec4 ray_2;
+layout(location = 3) flat WAY vec4 area_middle_0;
+layout(location = 4) flat WAY vec4 area_bias_1;
+layout(location = 5) flat WAY vec4 area_cell_2;
+layout(location = 6) flat WAY vec4 flux_start_0;
+layout(location = 7) flat WAY vec4 flux_start_1;
+layout(location = 8) flat WAY vec4 flux_start_2;
+layout(location = 9) flat WAY vec3 ends;
+layout(location = 10) flat WAY uvec3 first;
+layout(location = 11) flat WAY uvec3 listed;

@@ -1,0 +1,48 @@
+// Structs of the rasterised beams (shaders/adaptive_beams/). Mesh space has its depth along z and its zero at
+// the frame's origin.
+#ifndef DAPPLE_LAYOUT_BEAM_VOLUME
+#define DAPPLE_LAYOUT_BEAM_VOLUME
+#include "layout/types.h"
+LAYOUT_BEGIN
+
+// What a fragment knows of its beam; corners k in 0, 1, 2. Areas A are those that a corner's ring of
+// triangles has on the planes of constant depth: A(u) = area.x + area.y u + area.z u^2 [m^2] with
+// u = depth - middle, and on top of it |area| of the beams listed for the corner, whose sign changes.
+struct DrawnBeam {
+    vec4 ray[3];    // m and m a m of depth: a, b at depth 0, slopes
+    vec3 area[3];   // m^2, m, 1
+    vec3 flux[3];   // W a channel, of a corner's ring
+    vec3 start;     // m, depths at which the corners' rays begin
+    vec3 end;       // m, and end
+    float middle;   // m, depth
+    float bias;     // m of depth before the start and beyond the end that belong to the beam
+    float cell;     // m, along camera rays: places that edges are measured from are multiples of it
+    uint first[3];  // of the corner's listed beams
+    uint listed[3];
+};
+
+// A beam of a ring whose area changes its sign: area.x + area.y u + area.z u^2 with u = depth - area.w, m^2.
+struct TurningArea {
+    vec4 area;
+};
+
+// Camera rays of the pixels (x, y), in mesh space: origin + x origin_u + y origin_v, along
+// direction + x direction_u + y direction_v, not unit; and the medium that the beams are in.
+struct BeamPush {
+    vec3 origin, origin_u, origin_v;           // m
+    vec3 direction, direction_u, direction_v;  //
+    vec3 extinction;                           // 1/m a channel
+    vec3 scattering;                           // 1/m a channel
+    vec3 phase;                                // of the phase function, in the order of optics/phase.h
+    uint phase_type;                           // scene::PhaseType
+    float in_water;                            // 1 or 0
+    vec2 shift;                                // pixels, from the sample to the pixel's centre
+};
+
+// Axes of mesh space in the world.
+struct BeamFrame {
+    vec3 a, b, axis;  // unit
+};
+
+LAYOUT_END
+#endif

@@ -1,0 +1,44 @@
+#pragma once
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "base/stats.h"
+#include "gpu/device.h"
+#include "methods/adaptive_beams/beam_set.h"
+#include "methods/adaptive_beams/bounding_volume.h"
+#include "scene/frame_scene.h"
+#include "view/receiver_layer.h"
+#include "view/segment_layer.h"
+
+namespace dapple::methods::adaptive_beams {
+
+/// Sums of one layer, a value a pixel.
+struct BeamSums {
+    std::vector<glm::vec3> scattered;   ///< W/m^2/sr: S of the pixel's primary segment
+    std::vector<glm::vec3> irradiance;  ///< W/m^2: E of its primary receiver
+};
+
+/// Rasterises beams: the volume of each is drawn, back faces only, so that each pixel that may see it is
+/// shaded once, wherever the camera stands; what the beam sends to the pixel is added up in the order of the
+/// beams. Surface and volume terms come from one rasterisation.
+class BeamRenderer {
+public:
+    explicit BeamRenderer(gpu::Device& device);
+    ~BeamRenderer();
+
+    /// A frame's beams, before its layers. The scene must outlive them.
+    void begin(const scene::FrameScene& scene, std::span<const BeamSet> sets, VolumeKind volumes,
+               FrameStats& stats);
+    /// E and S of a layer: of `segments` those that are primary, of `receivers` those that the camera sees
+    /// neither through nor by a specular surface; either may be null. They are of one sample and have the
+    /// size of the clip's pictures.
+    BeamSums render(const view::SegmentLayer* segments, const view::ReceiverLayer* receivers,
+                    FrameStats& stats);
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+}  // namespace dapple::methods::adaptive_beams

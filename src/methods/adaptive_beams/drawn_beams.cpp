@@ -1,0 +1,132 @@
+#include "methods/adaptive_beams/drawn_beams.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "base/parallel.h"
+#include "methods/adaptive_beams/ring_areas.h"
+
+namespace dapple::methods::adaptive_beams {
+namespace {
+
+constexpr std::size_t kTile = 256;
+constexpr std::size_t kCorners = 6, kFaces = 8;
+/// Widths of a beam between places that its edges are measured from.
+constexpr double kCellOfWidth = 8;
+
+glm::dvec2 at(const BeamSet::Vertex& ray, double depth) {
+    return {ray.a + depth * static_cast<double>(ray.slope_a),
+            ray.b + depth * static_cast<double>(ray.slope_b)};
+}
+
+std::array<glm::dvec2, 3> at(const std::array<BeamSet::Vertex, 3>& rays, double depth) {
+    return {at(rays[0], depth), at(rays[1], depth), at(rays[2], depth)};
+}
+
+/// Mean length of the edges.
+double width(const std::array<glm::dvec2, 3>& t) {
+    return (glm::distance(t[0], t[1]) + glm::distance(t[1], t[2]) + glm::distance(t[2], t[0])) / 3;
+}
+
+class Builder {
+public:
+    Builder(const BeamSet& set, const view::Camera& camera, const glm::dvec3& origin, VolumeKind kind)
+        : set_(set),
+          kind_(kind),
+          areas_(set),
+          pixel_from_mesh_(camera.pixel_from_world() * glm::translate(glm::dmat4(1), origin) *
+                           glm::dmat4(set.world_from_mesh)) {
+        // The camera's own axes: pixels are w times this wide.
+        const glm::dmat4 pixel_from_camera =
+            camera.pixel_from_world() * glm::inverse(camera.camera_from_world());
+        pixel_size_ = 1 / std::abs(pixel_from_camera[0][0]);
+        beams_.beams.resize(set.triangles.size());
+        beams_.corners.resize(kCorners * set.triangles.size());
+        beams_.indices.resize(3 * kFaces * set.triangles.size());
+    }
+
+    DrawnBeams build() {
+        const std::size_t count = set_.triangles.size();
+        std::vector<std::size_t> prisms(count / kTile + 1, 0);
+        parallel_for(count, kTile, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i)
+                if (!add(i)) ++prisms[begin / kTile];
+        });
+        for (const std::size_t tile : prisms) beams_.prisms += tile;
+        beams_.turning = std::move(areas_.turning);
+        return std::move(beams_);
+    }
+
+private:
+    /// m: of kMarginPixels pixels at the farthest of three points.
+    double margin(const std::array<glm::dvec2, 3>& cap, double depth) const {
+        double farthest = 0;
+        for (const glm::dvec2& point : cap)
+            farthest = std::max(farthest, std::abs((pixel_from_mesh_ * glm::dvec4(point, depth, 1)).w));
+        return kMarginPixels * pixel_size_ * farthest;
+    }
+
+    /// Whether its volume is of the kind that is wanted.
+    bool add(std::size_t i) {
+        const glm::uvec3 triangle = set_.triangles[i];
+        const std::array<BeamSet::Vertex, 3> rays{set_.vertices[triangle.x], set_.vertices[triangle.y],
+                                                  set_.vertices[triangle.z]};
+        const double start = std::min({rays[0].start, rays[1].start, rays[2].start});
+        const double end = std::max({rays[0].end, rays[1].end, rays[2].end});
+        const double middle = 0.5 * (start + end);
+        const double bias = kLeastBias + kBiasOfWidth * width(at(rays, end));
+        layout::DrawnBeam& beam = beams_.beams[i];
+        for (int k = 0; k < 3; ++k) {
+            const BeamSet::Vertex& ray = rays[static_cast<std::size_t>(k)];
+            const std::uint32_t v = triangle[k];
+            beam.ray[k] = {ray.a, ray.b, ray.slope_a, ray.slope_b};
+            beam.start[k] = ray.start;
+            beam.end[k] = ray.end;
+            beam.area[k] = areas_.even[v].about(middle).q;
+            beam.flux[k] = areas_.flux[v];
+            beam.first[k] = areas_.first[v];
+            beam.listed[k] = areas_.first[v + 1] - areas_.first[v];
+        }
+        beam.middle = static_cast<float>(middle);
+        beam.bias = static_cast<float>(bias);
+        const double cell = kCellOfWidth * width(at(rays, middle));
+        beam.cell = static_cast<float>(std::exp2(std::ceil(std::log2(std::max(cell, 1e-3)))));
+
+        BeamSection section;
+        section.near_depth = start - bias;
+        section.far_depth = end + bias;
+        section.near_margin = margin(at(rays, section.near_depth), section.near_depth);
+        section.far_margin = margin(at(rays, section.far_depth), section.far_depth);
+        section.near_depth -= section.near_margin;
+        section.far_depth += section.far_margin;
+        section.near = at(rays, section.near_depth);
+        section.far = at(rays, section.far_depth);
+        const BoundingVolume volume = bounding_volume(section, kind_);
+        for (std::size_t k = 0; k < kCorners; ++k) {
+            const glm::dvec4 pixel = pixel_from_mesh_ * glm::dvec4(volume.corner[k], 1);
+            beams_.corners[kCorners * i + k] = {pixel.x, pixel.y, pixel.w};
+        }
+        auto index = beams_.indices.begin() + static_cast<std::ptrdiff_t>(3 * kFaces * i);
+        for (const auto& face : volume.face)
+            for (const std::uint8_t corner : face)
+                *index++ = static_cast<std::uint32_t>(kCorners * i + corner);
+        return volume.kind == kind_;
+    }
+
+    const BeamSet& set_;
+    VolumeKind kind_;
+    RingAreas areas_;
+    glm::dmat4 pixel_from_mesh_;
+    double pixel_size_ = 0;  ///< m at w = 1
+    DrawnBeams beams_;
+};
+
+}  // namespace
+
+DrawnBeams drawn_beams(const BeamSet& set, const view::Camera& camera, const glm::dvec3& origin,
+                       VolumeKind kind) {
+    return Builder(set, camera, origin, kind).build();
+}
+
+}  // namespace dapple::methods::adaptive_beams

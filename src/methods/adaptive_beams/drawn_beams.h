@@ -1,0 +1,34 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "layout/beam_volume.h"
+#include "methods/adaptive_beams/beam_set.h"
+#include "methods/adaptive_beams/bounding_volume.h"
+#include "view/camera.h"
+
+namespace dapple::methods::adaptive_beams {
+
+/// The beams of a set as the device draws them for one camera.
+struct DrawnBeams {
+    std::vector<layout::DrawnBeam> beams;
+    std::vector<layout::TurningArea> turning;
+    std::vector<glm::vec3> corners;  ///< six a beam: x w and y w [pixels], and w; behind the camera w <= 0
+    std::vector<std::uint32_t> indices;  ///< 24 a beam
+    std::size_t prisms = 0;              ///< beams that have a prism for want of six triangles
+};
+
+/// Depths before its start and beyond its end that still belong to a beam, m: between its vertices a surface
+/// that they lie on may bulge. A constant, and a share of the beam's width at its end.
+constexpr double kLeastBias = 1e-3;
+constexpr double kBiasOfWidth = 0.1;
+/// Pixels by which volumes are wider than beams: more than a rasteriser's rounding of corners (1/256 pixel).
+constexpr double kMarginPixels = 1.0 / 32;
+
+/// `origin`: FrameScene::origin. The same bits on any number of threads.
+DrawnBeams drawn_beams(const BeamSet& set, const view::Camera& camera, const glm::dvec3& origin,
+                       VolumeKind kind);
+
+}  // namespace dapple::methods::adaptive_beams
