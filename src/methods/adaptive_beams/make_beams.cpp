@@ -49,7 +49,10 @@ std::string name_of(const scene::FrameState& state, light::Chain chain, const Le
 class Maker {
 public:
     explicit Maker(FrameContext& context)
-        : context_(context), media_(context.scene), settings_(context.scene.state.caustics.adaptive_beams) {}
+        : context_(context),
+          oracle_(context.device),
+          media_(context.scene),
+          settings_(context.scene.state.caustics.adaptive_beams) {}
 
     std::vector<BeamSet> make() {
         const scene::FrameState& state = context_.scene.state;
@@ -71,18 +74,18 @@ public:
 private:
     void take_view(const ChainPair& pair, const LightView& view, const std::string& part) {
         const PathTracer tracer(context_.scene, context_.rays, media_, view, pair.body, pair.events);
-        RefinedGrid refined = [&] {
-            const ScopedPass pass(context_.stats, "beam grid");
-            return refine(context_.scene, tracer, pair.body, settings_.grid, settings_.levels, nullptr,
-                          context_.stats);
-        }();
+        RefinedGrid refined = refine(context_.scene, tracer, pair.body, settings_.grid, settings_.levels,
+                                     &oracle_, context_.stats);
         const ScopedPass pass(context_.stats, "beams");
         std::vector<std::array<std::uint32_t, 3>> triangles;
         for (const ProjectedGrid::Triangle& t : refined.grid.triangles()) triangles.push_back(t.vertices);
         for (const light::Event event : {light::Event::transmission, light::Event::reflection}) {
             if ((pair.events >> static_cast<unsigned>(event) & 1) == 0) continue;
+            // Rays of cuts need follow that event only.
+            const PathTracer one(context_.scene, context_.rays, media_, view, pair.body,
+                                 1u << static_cast<unsigned>(event));
             const BeamHarvest harvest =
-                cut_into_beams(tracer, view, event, triangles, settings_.paper_faithful, refined.rays);
+                cut_into_beams(one, view, event, triangles, settings_.paper_faithful, refined.rays);
             for (std::size_t i = 0; i < kCauses; ++i) losses_[i] += harvest.losses[i];
             incident_ += harvest.incident;
             for (const LegBeams& legs : harvest.legs)
@@ -104,6 +107,7 @@ private:
     }
 
     FrameContext& context_;
+    OraclePass oracle_;
     media::Media media_;
     const scene::AdaptiveBeamsParameters& settings_;
     std::vector<BeamSet> sets_;

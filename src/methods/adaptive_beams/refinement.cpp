@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/parallel.h"
 #include "methods/adaptive_beams/oracle_judge.h"
 #include "view/camera.h"
 
@@ -87,43 +86,59 @@ void trace_new(const PathTracer& tracer, const ProjectedGrid& grid, TracedRays& 
     tracer.trace(std::span(rays.uv).subspan(first), std::span(rays.paths).subspan(first));
 }
 
+std::vector<layout::OracleTexel> light_view_of(const PathTracer& tracer, int texels, FrameStats& stats) {
+    const ScopedPass pass(stats, "light view");
+    const std::vector<SurfaceTexel> found = tracer.first_surfaces(texels);
+    std::vector<layout::OracleTexel> surface(found.size());
+    std::transform(found.begin(), found.end(), surface.begin(), [](const SurfaceTexel& texel) {
+        return layout::OracleTexel{texel.normal, texel.on_body ? 1u : 0u};
+    });
+    return surface;
+}
+
+/// The grid as it is, with the rays in the middle of its edges; describes the rays that are new.
+void fill_task(const PathTracer& tracer, ProjectedGrid& grid, TracedRays& rays, OracleTask& task) {
+    task.edges.clear();
+    for (std::uint32_t e = 0; e < grid.edges().size(); ++e) {
+        const auto [first, second] = grid.edges()[e].vertices;
+        task.edges.push_back({first, second, grid.middle(e)});
+    }
+    task.triangles.clear();
+    for (const ProjectedGrid::Triangle& t : grid.triangles())
+        task.triangles.push_back(
+            {{t.vertices[0], t.vertices[1], t.vertices[2]}, {t.edges[0], t.edges[1], t.edges[2]}});
+    trace_new(tracer, grid, rays);
+    const std::size_t described = task.vertices.size();
+    task.vertices.resize(rays.uv.size());
+    task.ways.resize(rays.uv.size() * oracle_rules::kOracleWays);
+    for (std::size_t i = described; i < rays.uv.size(); ++i)
+        describe(rays.paths[i], rays.uv[i], static_cast<int>(task.settings.texels), task.vertices[i],
+                 &task.ways[i * oracle_rules::kOracleWays]);
+}
+
 }  // namespace
 
 RefinedGrid refine(const scene::FrameScene& scene, const PathTracer& tracer, int body, int cells, int levels,
                    OraclePass* pass, FrameStats& stats) {
-    RefinedGrid refined{ProjectedGrid(cells, levels), {}, 0};
+    RefinedGrid refined{ProjectedGrid(cells, levels), {}};
     ProjectedGrid& grid = refined.grid;
     TracedRays& rays = refined.rays;
-    trace_new(tracer, grid, rays);
+    {
+        const ScopedPass tracing(stats, "beam grid");
+        trace_new(tracer, grid, rays);
+    }
     if (levels == 0) return refined;
     const int texels = std::clamp(2 * (cells << levels), kLeastTexels, kMostTexels);
-    refined.texels = static_cast<std::size_t>(texels);
-    std::vector<layout::OracleTexel> surface(refined.texels * refined.texels);
-    {
-        const std::vector<SurfaceTexel> found = tracer.first_surfaces(texels);
-        for (std::size_t i = 0; i < found.size(); ++i)
-            surface[i] = {found[i].normal, found[i].on_body ? 1u : 0u};
-    }
+    const std::vector<layout::OracleTexel> surface = light_view_of(tracer, texels, stats);
     OracleTask task;
     task.settings = settings_of(scene, body, texels);
     for (int level = 0; level < levels; ++level) {
-        task.edges.clear();
-        for (std::uint32_t e = 0; e < grid.edges().size(); ++e) {
-            const auto& [first, second] = grid.edges()[e].vertices;
-            task.edges.push_back({first, second, grid.middle(e)});
+        {
+            const ScopedPass tracing(stats, "beam grid");
+            fill_task(tracer, grid, rays, task);
         }
-        task.triangles.clear();
-        for (const ProjectedGrid::Triangle& t : grid.triangles())
-            task.triangles.push_back(
-                {{t.vertices[0], t.vertices[1], t.vertices[2]}, {t.edges[0], t.edges[1], t.edges[2]}});
-        const std::size_t known = rays.uv.size();
-        trace_new(tracer, grid, rays);
-        task.vertices.resize(rays.uv.size());
-        task.ways.resize(rays.uv.size() * oracle_rules::kOracleWays);
-        for (std::size_t i = level == 0 ? 0 : known; i < rays.uv.size(); ++i)
-            describe(rays.paths[i], rays.uv[i], texels, task.vertices[i],
-                     &task.ways[i * oracle_rules::kOracleWays]);
         const Verdicts verdicts = pass != nullptr ? pass->judge(task, surface, stats) : judge(task, surface);
+        const ScopedPass splitting(stats, "beam grid");
         std::vector<std::uint8_t> marks(grid.edges().size());
         for (std::size_t e = 0; e < marks.size(); ++e) marks[e] = verdicts.edges[e] != oracle_rules::kKept;
         for (std::size_t t = 0; t < verdicts.triangles.size(); ++t)

@@ -1,11 +1,6 @@
 #pragma once
-#include <cstddef>
-#include <vector>
-
-#include "light/beam_mesh.h"
 #include "methods/adaptive_beams/beam_paths.h"
 #include "methods/adaptive_beams/beam_pieces.h"
-#include "methods/adaptive_beams/light_view.h"
 #include "methods/adaptive_beams/oracle.h"
 #include "methods/adaptive_beams/projected_grid.h"
 #include "scene/frame_scene.h"
@@ -17,7 +12,6 @@ namespace dapple::methods::adaptive_beams {
 struct RefinedGrid {
     ProjectedGrid grid;
     TracedRays rays;
-    std::size_t texels = 0;  ///< of the light's view, along a side
 };
 
 /// Refines a grid of `cells` x `cells` squares up to `levels` times where the oracle asks for it. `pass` may
