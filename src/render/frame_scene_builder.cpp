@@ -4,11 +4,13 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 
 #include "grids/grid_sequence.h"
 #include "grids/vdb_file.h"
+#include "input/closed_mesh.h"
 #include "input/mesh_file.h"
 #include "ocean/water_surface.h"
 
@@ -38,6 +40,7 @@ struct FrameSceneBuilder::State {
     std::string water_key;
     std::unique_ptr<ocean::WaterSurface> surface;
     std::map<std::string, std::shared_ptr<const scene::TriangleMesh>> meshes;
+    std::set<std::string> closed_meshes;  ///< files of which that is known
 
     const ocean::WaterSurface& surface_of(const scene::Water& water) {
         const std::string key = ocean::WaterSurface::key(water);
@@ -52,6 +55,16 @@ struct FrameSceneBuilder::State {
         std::shared_ptr<const scene::TriangleMesh>& known = meshes[file];
         if (!known) known = std::make_shared<const scene::TriangleMesh>(input::read_mesh(file));
         return known;
+    }
+
+    std::shared_ptr<const scene::TriangleMesh> mesh_of(const scene::Object& object) {
+        if (object.shape != scene::Shape::mesh) return nullptr;
+        auto read = mesh(object.file);
+        if (object.material.glass && closed_meshes.count(object.file) == 0) {
+            input::require_closed(*read, object.file);
+            closed_meshes.insert(object.file);
+        }
+        return read;
     }
 
     std::vector<std::shared_ptr<const grids::DensityGrid>> medium_grids(const scene::FrameState& state) {
@@ -99,10 +112,7 @@ scene::FrameScene FrameSceneBuilder::build(const scene::FrameState& state) {
         built.water =
             std::make_shared<const scene::WaterMesh>(state_->surface_of(*state.water).mesh(state.time));
     }
-    for (const scene::Object& object : state.objects) {
-        built.object_meshes.push_back(object.shape == scene::Shape::mesh ? state_->mesh(object.file)
-                                                                         : nullptr);
-    }
+    for (const scene::Object& object : state.objects) built.object_meshes.push_back(state_->mesh_of(object));
     built.medium_grids = state_->medium_grids(state);
     return built;
 }

@@ -62,7 +62,8 @@ public:
           support_(method.supports_surface(scene.state)),
           media_(scene),
           volume_support_(scatters() ? method.supports_volume(scene.state) : methods::Support{}),
-          serves_behind_specular_(method.serves_behind_specular()) {}
+          serves_behind_specular_(method.serves_behind_specular()),
+          follows_glass_(method.follows_glass()) {}
 
     Plan make() {
         plan_.water = state_.water.has_value();
@@ -72,6 +73,7 @@ public:
             consider(static_cast<int>(i), light::Event::transmission);
             consider(static_cast<int>(i), light::Event::reflection);
         }
+        plan_glass();
         plan_method();
         plan_stand_in();
         plan_.direct_light = !state_.lights.empty() && !state_.objects.empty();
@@ -121,14 +123,18 @@ private:
         return text;
     }
 
+    /// Without water all is above it.
     void find_reach() {
-        if (!state_.water) return;
-        const double bound = scene_.water->largest_height;
+        const double bound = scene_.water ? scene_.water->largest_height : 0;
         for (std::size_t i = 0; i < state_.objects.size(); ++i) {
-            const Heights heights = object_heights(state_.objects[i], scene_.object_meshes[i].get());
-            receivers_below_ |= heights.lowest < bound;
-            receivers_above_ |= heights.highest > -bound;
+            const scene::Object& object = state_.objects[i];
+            const Heights heights = object_heights(object, scene_.object_meshes[i].get());
+            const bool below = state_.water && heights.lowest < bound;
+            const bool above = !state_.water || heights.highest > -bound;
+            (object.material.glass ? glass_below_ : receivers_below_) |= below;
+            (object.material.glass ? glass_above_ : receivers_above_) |= above;
         }
+        if (!state_.water) return;
         // Where paths start: in one point, or on a rectangle.
         const scene::Clip& clip = state_.clip;
         const view::Camera camera(state_.camera, clip.width, clip.height);
@@ -149,37 +155,81 @@ private:
         camera_may_be_above_ = !(inside(extent, lowest) && inside(extent, highest)) || highest.y > -bound;
     }
 
+    /// Sides of the water, above and below.
+    struct Sides {
+        bool above = false;
+        bool below = false;
+        explicit operator bool() const { return above || below; }
+    };
+
     void consider(int index, light::Event event) {
         const scene::Light& light = state_.lights[static_cast<std::size_t>(index)];
         const bool above = light_above_water(light);
         const bool lands_above = (event == light::Event::reflection) == above;
-        const std::string pass = light::chain_name(state_, {index, event});
-        const std::string no_receivers = why_no_receivers(lands_above);
-        const bool volume =
-            volume_support_.degree != methods::Support::Degree::no && media_.scatters(!lands_above);
-        if (!no_receivers.empty() && !volume) {
+        // Glass sends light on to where it likes.
+        const bool on_by_glass = follows_glass_ && (lands_above ? glass_above_ : glass_below_);
+        const Sides sides{lands_above || on_by_glass, !lands_above || on_by_glass};
+        std::string note;
+        if (among_waves(light)) {
+            note = std::string("; the lamp is among the waves and counts as ") + (above ? "above" : "under") +
+                   " water: what it sends onto their other side is lost";
+        }
+        take({index, event}, sides, note);
+    }
+
+    /// Chains that begin at glass, or why there are none.
+    void plan_glass() {
+        if (!scene::has_glass(state_) || state_.lights.empty()) return;
+        if (!follows_glass_) {
+            add("glass", false, "the method does not follow light through glass; it casts shadows");
+            return;
+        }
+        for (std::size_t light = 0; light < state_.lights.size(); ++light) {
+            for (std::size_t object = 0; object < state_.objects.size(); ++object) {
+                if (!state_.objects[object].material.glass) continue;
+                for (const light::Event event : {light::Event::transmission, light::Event::reflection})
+                    take({static_cast<int>(light), event, static_cast<int>(object)},
+                         {true, state_.water.has_value()}, "");
+            }
+        }
+    }
+
+    /// A chain whose light lands on those sides of the water, if anything there is lit by it.
+    void take(light::Chain chain, Sides sides, const std::string& note) {
+        const std::string pass = light::chain_name(state_, chain);
+        const std::string no_receivers = why_no_receivers(sides);
+        const bool serves_volume = volume_support_.degree != methods::Support::Degree::no;
+        const Sides media{serves_volume && sides.above && media_.scatters(false),
+                          serves_volume && sides.below && media_.scatters(true)};
+        if (!no_receivers.empty() && !media) {
             add(pass, false, no_receivers);
             return;
         }
-        plan_.chains.push_back({index, event});
+        plan_.chains.push_back(chain);
         plan_.caustics |= no_receivers.empty();
-        plan_.volume_caustics |= volume;
-        const std::string side = lands_above ? " above the water" : " below the water";
-        std::string reason = (no_receivers.empty() ? "objects" : "media") + side;
-        if (no_receivers.empty() && volume) reason = "objects and media" + side;
-        if (among_waves(light)) {
-            reason += std::string("; the lamp is among the waves and counts as ") +
-                      (above ? "above" : "under") + " water: what it sends onto their other side is lost";
+        plan_.volume_caustics |= bool(media);
+        const Sides objects{sides.above && receivers_above_, sides.below && receivers_below_};
+        const Sides lit{(no_receivers.empty() && objects.above) || media.above,
+                        (no_receivers.empty() && objects.below) || media.below};
+        std::string reason = no_receivers.empty() ? (media ? "objects and media" : "objects") : "media";
+        if (state_.water) {
+            reason += lit.above && lit.below ? " above and below the water"
+                      : lit.above            ? " above the water"
+                                             : " below the water";
         }
-        add(pass, true, reason);
+        add(pass, true, reason + note);
     }
 
-    /// Why a chain that lands on one side of the water needs no E; empty where it does.
-    std::string why_no_receivers(bool above) const {
+    /// Why a chain that lands on those sides of the water needs no E; empty where it does.
+    std::string why_no_receivers(Sides sides) const {
         if (support_.degree == methods::Support::Degree::no) return "the method does not serve this scene";
-        if (!(above ? receivers_above_ : receivers_below_))
-            return above ? "nothing stands above the water" : "nothing lies below the water";
-        if (!serves_behind_specular_ && !(above ? camera_may_be_above_ : camera_may_be_below_))
+        const Sides lit{sides.above && receivers_above_, sides.below && receivers_below_};
+        if (!lit) {
+            if (!state_.water || (sides.above && sides.below)) return "there is nothing but glass";
+            return sides.above ? "nothing stands above the water" : "nothing lies below the water";
+        }
+        const bool seen = (lit.above && camera_may_be_above_) || (lit.below && camera_may_be_below_);
+        if (!serves_behind_specular_ && !seen)
             return "it lands across the water from the camera, and the method serves direct views only";
         return "";
     }
@@ -272,9 +322,12 @@ private:
     const media::Media media_;
     const methods::Support volume_support_;
     const bool serves_behind_specular_;
+    const bool follows_glass_;
     Plan plan_;
     bool receivers_below_ = false;
     bool receivers_above_ = false;
+    bool glass_below_ = false;
+    bool glass_above_ = false;
     bool camera_may_be_below_ = false;
     bool camera_may_be_above_ = true;
 };

@@ -186,10 +186,12 @@ std::vector<glm::vec3> sky_irradiance(const scene::FrameScene& scene, const view
             if (!(layer.flags[pixel] & view::kReceiver)) continue;
             const double upward = 0.5 * (1 + static_cast<double>(layer.shading_normal[pixel].y));
             glm::dvec3 arriving = glm::pi<double>() * upward * radiance;
-            if (layer.flags[pixel] & view::kInWater) {
+            const glm::dvec3 position = glm::dvec3(layer.position[pixel]) + scene.origin;
+            const bool glass_in_water = (layer.flags[pixel] & view::kInGlass) && scene.state.water &&
+                                        position.y < 0 && in_extent(scene.state.water->extent, position);
+            if ((layer.flags[pixel] & view::kInWater) || glass_in_water) {
                 const scene::Water& water = *scene.state.water;
-                const double depth =
-                    std::max(0.0, -(static_cast<double>(layer.position[pixel].y) + scene.origin.y));
+                const double depth = std::max(0.0, -position.y);
                 const glm::dvec3 attenuation =
                     glm::mix(water.diffuse_attenuation, water.absorption,
                              glm::lessThan(water.diffuse_attenuation, glm::dvec3(0)));

@@ -196,4 +196,11 @@ struct FrameState {
     Output output;
 };
 
+inline bool has_glass(const FrameState& state) {
+    for (const Object& object : state.objects) {
+        if (object.material.glass) return true;
+    }
+    return false;
+}
+
 }  // namespace dapple::scene

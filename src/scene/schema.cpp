@@ -141,9 +141,9 @@ const Structure& material_schema() {
                 .above(0),
             integral<&Material::mirror>("mirror", FieldKind::boolean,
                                         "reflects like a mirror, tinted by the colour"),
-            integral<&Material::glass>(
-                "glass", FieldKind::boolean,
-                "a body of clear glass (or another smooth dielectric), without colour"),
+            integral<&Material::glass>("glass", FieldKind::boolean,
+                                       "a body of clear glass, or what refracts like it: box, sphere or "
+                                       "closed mesh, without colour"),
             number<&Material::refractive_index>("refractive_index", Dimension::number,
                                                 "of glass, against air")
                 .within(1, 4),

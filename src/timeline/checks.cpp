@@ -65,6 +65,25 @@ private:
         const glm::dvec3& scale = object.transform.scale;
         if (object.shape == scene::Shape::sphere && (scale.x != scale.y || scale.x != scale.z))
             fault(join(path, "scale"), "a sphere stays a sphere; give one number");
+        check_material(object, join(path, "material"));
+    }
+
+    void check_material(const scene::Object& object, const std::string& path) {
+        const scene::Material& material = object.material;
+        const auto given = [&](const char* key) { return program_.given.count(join(path, key)) > 0; };
+        if (!material.glass) {
+            for (const char* key : {"refractive_index", "absorption"}) {
+                if (given(key)) fault(join(path, key), "is of glass only; add glass: true");
+            }
+            return;
+        }
+        if (object.shape == scene::Shape::plane)
+            fault(join(path, "glass"), "a plane has no inside for the glass to fill; take a flat box");
+        if (material.mirror)
+            fault(join(path, "mirror"), "glass is no mirror, it reflects by its refractive_index");
+        for (const char* key : {"color", "texture", "texture_size"}) {
+            if (given(key)) fault(join(path, key), "glass has none; absorption tints it");
+        }
     }
 
     void check_medium(const scene::Medium& medium, bool water, const std::string& path) {

@@ -89,5 +89,24 @@ TEST(FrameSceneBuilder, GridsStayWithinTheirMemory) {
     EXPECT_NE(builder.build(state).medium_grids[0], nullptr);
 }
 
+TEST(FrameSceneBuilder, GlassIsMadeOfClosedMeshes) {
+    FrameSceneBuilder builder;
+    scene::FrameState state;
+    state.objects.resize(1);
+    state.objects[0].shape = scene::Shape::mesh;
+    state.objects[0].file = DAPPLE_SOURCE_DIR "/tests/end_to_end/roof.obj";
+    EXPECT_NE(builder.build(state).object_meshes[0], nullptr);
+    state.objects[0].material.glass = true;
+    for (int attempt = 0; attempt < 2; ++attempt) {
+        try {
+            builder.build(state);
+            ADD_FAILURE();
+        } catch (const Error& error) {
+            EXPECT_EQ(error.code(), ExitCode::input_unreadable);
+            EXPECT_THAT(error.what(), testing::HasSubstr("roof.obj: glass needs a closed mesh"));
+        }
+    }
+}
+
 }  // namespace
 }  // namespace dapple::render

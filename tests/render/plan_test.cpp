@@ -21,6 +21,11 @@ public:
         return {volume_degree_, "the volume's reason"};
     }
     bool serves_behind_specular() const override { return behind_specular_; }
+    bool follows_glass() const override { return follows_glass_; }
+    TellingMethod& following_glass() {
+        follows_glass_ = true;
+        return *this;
+    }
     std::size_t bytes(const scene::FrameState&, std::size_t) const override { return 0; }
     void begin(methods::FrameContext&) override {}
     void irradiance(methods::FrameContext&, std::span<const view::ReceiverLayer>,
@@ -28,6 +33,7 @@ public:
 
 private:
     bool behind_specular_;
+    bool follows_glass_ = false;
     Degree degree_;
     Degree volume_degree_;
 };
@@ -289,6 +295,85 @@ TEST(Plan, RepeatsTheMethodsOwnWord) {
         line(render::make_plan(scene_of(state), TellingMethod(true)), "caustics: " + state.caustics.method);
     EXPECT_EQ(said.decision, "partly");
     EXPECT_EQ(said.reason, "the reason");
+}
+
+scene::Object ball_at(double height) {
+    scene::Object ball;
+    ball.name = "ball";
+    ball.shape = scene::Shape::sphere;
+    ball.material.glass = true;
+    ball.transform.position = {0, height, 0};
+    return ball;
+}
+
+TEST(Plan, GlassIsFollowedByMethodsThatDo) {
+    scene::FrameState state = pool();
+    state.objects.push_back(ball_at(2));
+    const render::Plan plan = render::make_plan(scene_of(state), covering().following_glass());
+    ASSERT_EQ(plan.chains.size(), 4u);
+    EXPECT_EQ(plan.chains[0].object, light::kWater);
+    // What the water reflects up may come down again by the ball: there is nothing else above the water.
+    EXPECT_EQ(plan.chains[1].event, light::Event::reflection);
+    EXPECT_EQ(line(plan, "sun > water:R").reason, "objects below the water");
+    EXPECT_EQ(plan.chains[2].object, 1);
+    EXPECT_EQ(plan.chains[2].event, light::Event::transmission);
+    EXPECT_EQ(plan.chains[3].object, 1);
+    EXPECT_EQ(plan.chains[3].event, light::Event::reflection);
+    EXPECT_EQ(line(plan, "sun > ball:T").decision, "yes");
+    EXPECT_EQ(line(plan, "sun > ball:R").reason, "objects below the water");
+    EXPECT_THROW(line(plan, "glass"), std::runtime_error);
+}
+
+TEST(Plan, GlassCastsShadowsForOtherMethods) {
+    scene::FrameState state = pool();
+    state.objects.push_back(ball_at(2));
+    const render::Plan plan = render::make_plan(scene_of(state), covering());
+    EXPECT_EQ(plan.chains.size(), 1u) << "a ball of glass receives nothing";
+    EXPECT_EQ(line(plan, "glass").decision, "no");
+    EXPECT_EQ(line(plan, "glass").reason, "the method does not follow light through glass; it casts shadows");
+    EXPECT_EQ(line(plan, "sun > water:R").reason, "nothing stands above the water");
+    state.lights.clear();
+    EXPECT_THROW(line(render::make_plan(scene_of(state), covering()), "glass"), std::runtime_error);
+}
+
+TEST(Plan, GlassMakesCausticsWithoutWater) {
+    scene::FrameState state = pool();
+    state.water.reset();
+    state.objects.push_back(ball_at(2));
+    const render::Plan plan = render::make_plan(scene_of(state), covering().following_glass());
+    ASSERT_EQ(plan.chains.size(), 2u);
+    EXPECT_TRUE(plan.caustics);
+    EXPECT_FALSE(plan.flat_water_stand_in || plan.volume);
+    EXPECT_EQ(line(plan, "sun > ball:T").reason, "objects");
+    EXPECT_EQ(line(plan, "caustics: " + state.caustics.method).decision, "yes");
+
+    state.objects.erase(state.objects.begin());  // the floor
+    const render::Plan alone = render::make_plan(scene_of(state), covering().following_glass());
+    EXPECT_TRUE(alone.chains.empty());
+    EXPECT_FALSE(alone.caustics);
+    EXPECT_EQ(line(alone, "sun > ball:T").reason, "there is nothing but glass");
+}
+
+TEST(Plan, GlassLightsMediaWithoutWater) {
+    scene::FrameState state = pool();
+    state.water.reset();
+    state.objects = {ball_at(2)};
+    const render::Plan plan = render::make_plan(with_smoke(state), scattering().following_glass());
+    EXPECT_EQ(plan.chains.size(), 2u);
+    EXPECT_TRUE(plan.volume && plan.volume_caustics && plan.volume_direct);
+    EXPECT_FALSE(plan.caustics);
+    EXPECT_EQ(line(plan, "sun > ball:T").reason, "media");
+    EXPECT_TRUE(render::make_plan(with_smoke(state), scattering()).chains.empty());
+}
+
+TEST(Plan, LightThatGlassInTheWaterSendsOnIsSoughtAboveAndBelow) {
+    scene::FrameState state = pool();
+    state.objects.push_back(ball_at(0));
+    state.objects.push_back(test::level_plane("ceiling", 3, 5));
+    const render::Plan plan = render::make_plan(scene_of(state), covering().following_glass());
+    EXPECT_EQ(plan.chains.size(), 4u);
+    EXPECT_EQ(line(plan, "sun > water:T").reason, "objects above and below the water");
+    EXPECT_EQ(line(plan, "sun > ball:T").reason, "objects above and below the water");
 }
 
 }  // namespace

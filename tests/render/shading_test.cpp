@@ -127,5 +127,36 @@ TEST(DirectLight, IsDimmedByTheWaterAndWhatIsInIt) {
                     glm::exp(-3.0 * scene.state.water->extinction() - 0.5 * scene.state.media[0].extinction));
 }
 
+/// Light that glass lets through is caustic light.
+TEST(DirectLight, IsKeptOffByGlass) {
+    scene::FrameScene scene;
+    scene.state.lights = {test::sun_from_zenith(0)};
+    scene::Object ball;
+    ball.shape = scene::Shape::sphere;
+    ball.material.glass = true;
+    ball.transform.position = {0, 2, 0};
+    scene.state.objects = {ball};
+    scene.object_meshes.resize(1);
+    const rays::RayScene rays(scene);
+    view::ReceiverLayer layer = floor_points({0, 0.49f, 0.51f}, 0);
+    layer.flags.assign(3, view::kReceiver);
+    const auto found = render::direct_irradiance(scene, media::Media(scene), rays, layer);
+    EXPECT_EQ(found[0], glm::vec3(0));
+    EXPECT_EQ(found[1], glm::vec3(0));
+    expect_near(found[2], scene.state.lights[0].irradiance);
+}
+
+TEST(SkyTerm, OfAReceiverInGlassThatStandsInTheWater) {
+    scene::FrameScene scene;
+    scene.state = test::pool_over_floor(4, 2, 1, 8);
+    scene.state.water->extent.kind = scene::ExtentKind::pool;
+    scene.state.sky.radiance = {1, 1, 1};
+    view::ReceiverLayer layer = floor_points({0, 0, 3}, -1);
+    layer.flags[1] = layer.flags[2] = view::kReceiver | view::kInGlass;
+    const auto found = render::sky_irradiance(scene, layer);
+    EXPECT_EQ(found[1], found[0]);
+    EXPECT_GT(found[2].x, 1.2f * found[0].x) << "beside the pool";
+}
+
 }  // namespace
 }  // namespace dapple

@@ -23,6 +23,7 @@ PhotonSplatting::~PhotonSplatting() = default;
 
 Support PhotonSplatting::supports_surface(const scene::FrameState& state) const {
     std::string reason = "receivers that the camera sees directly; none behind water or mirrors";
+    if (scene::has_glass(state)) reason += " or glass, and none of the light that glass sends on";
     if (std::any_of(state.lights.begin(), state.lights.end(), [](const scene::Light& light) {
             return light.type == scene::LightType::sun && light.angular_diameter > 0;
         }))
