@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "accuracy/flicker_series.h"
 #include "base/error.h"
 #include "image/exr.h"
 
@@ -25,20 +26,6 @@ struct Clip {
         char file[32];
         std::snprintf(file, sizeof file, ".%04d.exr", number);
         return image::read_exr(folder + "/linear/" + name + file);
-    }
-};
-
-/// What is known of a pixel's channel so far; Welford's sums.
-struct Series {
-    double mean = 0, squares = 0, reference_variance = 0, reference = 0;
-    int frames = 0;
-    void add(double difference, double reference_value, double variance) {
-        ++frames;
-        const double before = difference - mean;
-        mean += before / frames;
-        squares += before * (difference - mean);
-        reference += reference_value;
-        reference_variance += variance;
     }
 };
 
@@ -69,7 +56,7 @@ bool sees_one_plane(const image::Image& image, int x, int y) {
 }
 
 int compare(const Clip& ours, const Clip& reference, int first, int last, const std::string& map) {
-    std::vector<Series> series;
+    std::vector<test::Series> series;
     std::vector<bool> covered, one_plane;
     double l1 = 0, l1_sum = 0;
     for (int number = first; number <= last; ++number) {
@@ -102,21 +89,7 @@ int compare(const Clip& ours, const Clip& reference, int first, int last, const 
             }
         }
     }
-    struct Sums {
-        double variance = 0, reference_variance = 0, reference = 0, count = 0;
-        void add(const Series& s) {
-            variance += s.squares / (s.frames - 1);
-            reference_variance += s.reference_variance / s.frames;
-            reference += s.reference / s.frames;
-            ++count;
-        }
-        void print(const char* what, double pixels) const {
-            const double scale = count / (reference * reference);
-            std::printf("%-28s %5.1f %% of pixels: Var_t(E - E_ref) %.3e, E_ref's own %.3e, flicker %.3e\n",
-                        what, 100 * count / pixels, variance * scale, reference_variance * scale,
-                        (variance - reference_variance) * scale);
-        }
-    } all, planes;
+    test::FlickerSums all, planes;
     for (std::size_t i = 0; i < series.size(); ++i) {
         if (!covered[i / 3]) continue;
         all.add(series[i]);
@@ -130,14 +103,14 @@ int compare(const Clip& ours, const Clip& reference, int first, int last, const 
         for (std::size_t c = 0; c < 3; ++c) {
             std::vector<float>& values = picture.add(std::string(1, "RGB"[c])).values;
             for (std::size_t i = 0; i < values.size(); ++i) {
-                const Series& s = series[3 * i + c];
+                const test::Series& s = series[3 * i + c];
                 values[i] = static_cast<float>(s.squares / (s.frames - 1) - s.reference_variance / s.frames);
             }
         }
         image::write_exr_verified(map, picture);
     }
-    all.print("all pixels", count);
-    planes.print("pixels that see one plane", count);
+    all.print("all pixels", "E", count);
+    planes.print("pixels that see one plane", "E", count);
     std::printf("relative L1 distance, frame by frame: %.4f\n", l1 / l1_sum);
     return 0;
 }

@@ -1,0 +1,152 @@
+// Flicker of the light that media scatter against a reference, as compare_flicker.cpp has it for E:
+//   scatter_flicker TIMELINE FOLDER FIRST LAST STANDARD_ERROR SAMPLES [PATH=VALUE]...
+// S is what pixels of 96 x 54 receive along the camera's first branch; the second, of what the surface
+// mirrors, costs the reference many times as much as all the rest. Frames of the reference, by one camera
+// path a pixel that stands for all of it, are kept in FOLDER and used again. `sliced_beams` is asked by
+// SAMPLES camera paths a pixel and with the overrides of the timeline that are given.
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "accuracy/flicker_series.h"
+#include "base/stats.h"
+#include "gpu/device.h"
+#include "image/exr.h"
+#include "methods/reference/reference.h"
+#include "methods/sliced_beams/sliced_beams.h"
+#include "render/frame_scene_builder.h"
+#include "timeline/timeline.h"
+#include "view/camera_paths.h"
+
+namespace {
+
+using namespace dapple;
+
+constexpr const char* kResolution = "clip.resolution=[96, 54]";
+
+/// What pixels receive, W/m^2/sr, and of the reference its squared standard error.
+image::Image scattered(const scene::FrameScene& scene, methods::CausticMethod& method, gpu::Device& device,
+                       FrameStats& stats) {
+    const scene::Clip& clip = scene.state.clip;
+    const rays::RayScene rays(scene);
+    methods::FrameContext context{scene, rays, device, stats, {}, {}};
+    for (int light = 0; light < static_cast<int>(scene.state.lights.size()); ++light)
+        for (const auto event : {light::Event::transmission, light::Event::reflection})
+            context.chains.push_back({light, event});
+    method.begin(context);
+    image::Image picture;
+    picture.width = clip.width;
+    picture.height = clip.height;
+    for (const char* name : {"S.R", "S.G", "S.B"}) picture.add(name);
+    for (int sample = 0; sample < clip.samples; ++sample) {
+        view::LayerCounts counts;
+        view::SegmentLayer segments;
+        view::trace_layer(scene, rays, {.sample = sample}, counts, &segments);
+        std::vector<glm::vec3> radiance(segments.segments(), glm::vec3(0));
+        method.in_scatter(context, segments, radiance);
+        for (std::size_t pixel = 0; pixel < picture.pixels(); ++pixel)
+            for (std::size_t i = segments.first[pixel]; i < segments.first[pixel + 1]; ++i)
+                for (int c = 0; c < 3; ++c)
+                    picture.channels[static_cast<std::size_t>(c)].values[pixel] +=
+                        segments.throughput[i][c] * radiance[i][c] / static_cast<float>(clip.samples);
+    }
+    for (methods::DataLayer& data : method.in_scatter_data())
+        picture.add(data.name).values = std::move(data.values);
+    return picture;
+}
+
+const std::vector<float>& channel(const image::Image& image, const std::string& name) {
+    const image::Channel* found = image.find(name);
+    if (!found) throw Error(ExitCode::input_unreadable, "no channel " + name);
+    return found->values;
+}
+
+/// The reference's frame: its file, made where there is none.
+image::Image reference_of(const scene::FrameScene& scene, const std::string& file, gpu::Device& device) {
+    if (!std::filesystem::exists(file)) {
+        methods::Reference method;
+        FrameStats stats;
+        const image::Image made = scattered(scene, method, device, stats);
+        std::printf("reference, frame %d: standard error %.4f, %.3g rays\n",
+                    static_cast<int>(scene.state.frame), stats.counted("reference volume standard error"),
+                    stats.counted("reference volume rays"));
+        std::fflush(stdout);
+        image::write_exr_verified(file, made);
+    }
+    return image::read_exr(file);
+}
+
+struct Arguments {
+    std::string timeline, folder;
+    int first = 1, last = 1;
+    std::string standard_error, samples;
+    std::vector<std::string> overrides;
+};
+
+void compare(const Arguments& arguments) {
+    const auto by_reference = timeline::Timeline::load(
+        arguments.timeline,
+        {kResolution, "clip.samples=1",
+         "caustics={method: reference, standard_error: " + arguments.standard_error + "}"});
+    std::vector<std::string> overrides = {kResolution, "clip.samples=" + arguments.samples,
+                                          "caustics={method: sliced_beams}"};
+    overrides.insert(overrides.end(), arguments.overrides.begin(), arguments.overrides.end());
+    const auto by_beams = timeline::Timeline::load(arguments.timeline, overrides);
+    gpu::Device device{{}};
+    render::FrameSceneBuilder reference_scenes, scenes;
+    methods::SlicedBeams beams;
+    std::vector<test::Series> series;
+    double l1 = 0, sum = 0;
+    for (int frame = arguments.first; frame <= arguments.last; ++frame) {
+        char name[32];
+        std::snprintf(name, sizeof name, "/reference.%04d.exr", frame);
+        const image::Image expected =
+            reference_of(reference_scenes.build(by_reference.at(frame)), arguments.folder + name, device);
+        FrameStats stats;
+        const image::Image found = scattered(scenes.build(by_beams.at(frame)), beams, device, stats);
+        const std::size_t pixels = found.pixels();
+        series.resize(3 * pixels);
+        for (std::size_t c = 0; c < 3; ++c) {
+            const std::string colour(1, "RGB"[c]);
+            const std::vector<float>& s = channel(found, "S." + colour);
+            const std::vector<float>& r = channel(expected, "S." + colour);
+            const std::vector<float>& v = channel(expected, "S.variance." + colour);
+            for (std::size_t i = 0; i < pixels; ++i) {
+                const double difference = static_cast<double>(s[i]) - static_cast<double>(r[i]);
+                series[3 * i + c].add(difference, static_cast<double>(r[i]), static_cast<double>(v[i]));
+                l1 += std::abs(difference);
+                sum += static_cast<double>(r[i]);
+            }
+        }
+    }
+    test::FlickerSums all;
+    for (const test::Series& s : series) all.add(s);
+    all.print("all pixels", "S", static_cast<double>(series.size()));
+    std::printf("relative L1 distance, frame by frame: %.4f\n", l1 / sum);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+    if (argc < 7) {
+        std::fprintf(stderr,
+                     "usage: scatter_flicker TIMELINE FOLDER FIRST LAST STANDARD_ERROR SAMPLES "
+                     "[PATH=VALUE]...\n");
+        return 2;
+    }
+    compare({argv[1],
+             argv[2],
+             std::atoi(argv[3]),
+             std::atoi(argv[4]),
+             argv[5],
+             argv[6],
+             {argv + 7, argv + argc}});
+    return 0;
+} catch (const std::exception& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 1;
+}
