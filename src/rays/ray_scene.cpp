@@ -53,6 +53,12 @@ bool traceable(const Ray& ray) {
            ray.direction != glm::vec3(0);
 }
 
+/// Embree takes components of a direction nearer to 0 than 1e-18 for +1e-18, but in packets of coherent rays
+/// goes by the sign that they had: negative ones would miss what they hit.
+float not_tiny(float component) {
+    return std::abs(component) < 1e-17f ? 0.0f : component;
+}
+
 constexpr std::size_t kPacket = 8;
 
 /// Lanes of one packet; those past the end of the rays, and rays that mean nothing, are switched off.
@@ -67,9 +73,9 @@ struct Packet {
             packet.org_x[i] = ray.origin.x;
             packet.org_y[i] = ray.origin.y;
             packet.org_z[i] = ray.origin.z;
-            packet.dir_x[i] = ray.direction.x;
-            packet.dir_y[i] = ray.direction.y;
-            packet.dir_z[i] = ray.direction.z;
+            packet.dir_x[i] = not_tiny(ray.direction.x);
+            packet.dir_y[i] = not_tiny(ray.direction.y);
+            packet.dir_z[i] = not_tiny(ray.direction.z);
             packet.tnear[i] = ray.near;
             packet.tfar[i] = ray.far;
             packet.time[i] = 0;

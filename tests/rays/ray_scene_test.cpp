@@ -308,5 +308,40 @@ TEST(RayScene, ScalesOfZeroAndBrokenVerticesAreLeftOut) {
     EXPECT_EQ(hits[0].primitive, 1u);
 }
 
+TEST(RayScene, ComponentsOfADirectionNearZeroOfAnySign) {
+    // As refraction and back leave them of light straight down. A row of boxes on a floor: a tree with nodes.
+    scene::FrameScene scene;
+    scene.state.objects = {make(scene::Shape::plane)};
+    scene.state.objects[0].size = {100, 1, 100};
+    for (int i = -8; i <= 8; ++i) {
+        scene.state.objects.push_back(make(scene::Shape::box));
+        scene.state.objects.back().transform.position = {2 * i, 2 + 0.1 * i, 0};
+    }
+    const RayScene rays(scene);
+    constexpr float tiny[] = {0, -0.0f, 3e-16f, -3e-16f, 5e-18f, -5e-18f, 4e-19f, -4e-19f, 1e-25f, -1e-25f};
+    std::vector<Ray> tests;
+    for (std::uint64_t i = 0; i < 4000; ++i) {
+        const auto pick = [&](std::uint32_t dimension) {
+            return tiny[static_cast<std::size_t>(uniform(i, dimension) * std::size(tiny))];
+        };
+        tests.push_back({glm::vec3(40 * uniform(i, 0) - 20, 5, 2 * uniform(i, 1) - 1), 0,
+                         glm::vec3(pick(2), -1, pick(3))});
+    }
+    const std::vector<Hit> hits = object_hits(rays, tests);
+    std::vector<std::uint8_t> occluded(tests.size());
+    rays.occluded_by_objects(tests, occluded);
+    std::size_t boxes = 0;
+    for (std::size_t i = 0; i < tests.size(); ++i) {
+        ASSERT_NE(hits[i].primitive, kNoHit) << i;
+        ASSERT_EQ(occluded[i], 1) << i;
+        const double x = static_cast<double>(tests[i].origin.x), z = static_cast<double>(tests[i].origin.z);
+        const bool on_box =
+            std::abs(z) < 0.5 && std::abs(x - 2 * std::round(0.5 * x)) < 0.5 && std::abs(x) < 17;
+        ASSERT_EQ(hits[i].object != 0, on_box) << i;
+        boxes += on_box ? 1 : 0;
+    }
+    EXPECT_GT(boxes, 400u);
+}
+
 }  // namespace
 }  // namespace dapple::rays
