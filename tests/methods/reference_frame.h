@@ -33,6 +33,7 @@ struct Frame {
     explicit Frame(const scene::FrameState& state) {
         scene.state = state;
         scene.object_meshes.resize(state.objects.size());
+        if (!state.water) return;
         scene.water =
             std::make_shared<const scene::WaterMesh>(ocean::WaterSurface(*state.water).mesh(state.time));
     }

@@ -312,7 +312,8 @@ TEST(ReferenceMedia, LightsShareNoRandomNumbers) {
     std::size_t rays = 0;
     for (const std::uint32_t index : {0u, 1u, 255u, 256u, 257u}) {
         const reference::Lamp lamp(frame.scene, *frame.rays, water, media, index);
-        for (const reference::Incoming& light : lamp.shine({0, 64}, 0, 64)) {
+        reference::MediaProbe probe(media);
+        for (const reference::Incoming& light : lamp.shine({0, 64}, 0, 64, probe)) {
             seen.insert(light.random);
             ++rays;
         }
@@ -384,13 +385,11 @@ TEST(ReferenceMedia, LightIsScatteredAbsorbedOrLands) {
     const reference::ReceiverCharts charts(frame.scene);
     const reference::LightTracer tracer(frame.scene, rays, frame.chains, charts, {});
     const reference::LightPass pass{0, 1u << 18};
-    std::vector<reference::Arrival> arrivals;
-    std::vector<reference::LightWay> ways;
-    tracer.trace(pass, 0, 0, tracer.strata(pass), arrivals, &ways);
+    const reference::Harvest harvest = tracer.trace(pass, 0, 0, tracer.strata(pass, 0), true);
     glm::dvec3 landed(0), lost(0), entered(0), scattered(0);
-    for (const reference::Arrival& arrival : arrivals) landed += arrival.power;
+    for (const reference::Arrival& arrival : harvest.arrivals) landed += arrival.power;
     reference::MediaProbe probe(tracer.media());
-    for (const reference::LightWay& way : ways) {
+    for (const reference::LightWay& way : harvest.ways) {
         entered += way.power;
         reference::RandomStream random{7, 8, way.random};
         ASSERT_TRUE(std::isfinite(way.length));

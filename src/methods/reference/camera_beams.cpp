@@ -229,8 +229,11 @@ void CameraBeams::add_events(const LightWay& way, MediaProbe& light_probe, Media
             if ((beam.in_water != 0) != way.in_water || !find(beam, position, place)) continue;
             ScatteringEvent event;
             event.position = position;
-            event.near_end = glm::dvec3(beam.origin) + place.u * glm::dvec3(beam.u_origin) +
-                             place.v * glm::dvec3(beam.v_origin);
+            const glm::dvec3 aside =
+                place.u * glm::dvec3(beam.u_origin) + place.v * glm::dvec3(beam.v_origin);
+            event.near_end = glm::dvec3(beam.origin) + aside;
+            // A mirror or glass there may bend towards it.
+            event.slack = 0.25 * length(aside);
             const glm::dvec3 back = event.near_end - position;
             const double distance = length(back);
             if (!(distance > 0)) continue;

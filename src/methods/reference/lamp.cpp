@@ -3,44 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
-#include "base/hash.h"
+#include "light/beam_mesh.h"
 #include "methods/reference/own_optics.h"
 
 namespace dapple::reference {
-namespace {
-
-/// Random numbers of a stratum, by what they are for; each light has kDimensions of its own.
-enum Dimension : std::uint32_t { kAlong, kAcross, kFacet, kDiscRadius, kDiscAngle, kDimensions };
-
-double random_number(const scene::FrameState& state, const LightPass& pass, std::uint32_t light,
-                     std::size_t stratum, Dimension dimension) {
-    const std::uint64_t seed = state.clip.seed + 0x9e3779b97f4a7c15 * pass.strata;
-    return hash_uniform(seed, static_cast<std::uint64_t>(state.frame), pass.number << 40 | stratum,
-                        light * kDimensions + dimension);
-}
-
-/// A direction of the sun's disc, evenly over the disc as seen on a plane that faces it, and the irradiance
-/// on a plane across that very direction, over the sun's.
-struct SunRay {
-    glm::dvec3 direction;
-    double irradiance;
-};
-SunRay sun_ray(const scene::Light& sun, double random_radius, double random_angle) {
-    if (!(sun.angular_diameter > 0)) return {sun.direction, 1};
-    const double radius = std::sin(0.5 * sun.angular_diameter) * std::sqrt(random_radius);
-    const double angle = 2 * std::numbers::pi * random_angle;
-    const glm::dvec3 axis = sun.direction;
-    const glm::dvec3 other = std::abs(axis.x) < 0.5 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 0, 1);
-    const glm::dvec3 u = normalize(cross(axis, other));
-    const glm::dvec3 v = cross(axis, u);
-    const double cosine = std::sqrt(1 - radius * radius);
-    return {radius * std::cos(angle) * u + radius * std::sin(angle) * v + cosine * axis, 1 / cosine};
-}
-
-}  // namespace
-
 Lamp::Lamp(const scene::FrameScene& scene, const rays::RayScene& rays, const WaterRays& water,
            const OwnMedia& media, std::uint32_t index)
     : scene_(scene),
@@ -48,7 +15,7 @@ Lamp::Lamp(const scene::FrameScene& scene, const rays::RayScene& rays, const Wat
       water_(water),
       media_(media),
       light_(scene.state.lights[index]),
-      index_(index) {
+      samples_(scene, index, light::kWater) {
     const TrueSurface& surface = water.surface();
     if (light_.type != scene::LightType::sun) {
         from_above_ = light_.position.y > -surface.highest();
@@ -67,15 +34,6 @@ double Lamp::lowest_elevation() const {
     return std::atan2(std::abs(light_.position.y) - water_.surface().highest(), length(reach));
 }
 
-Lamp::Grid Lamp::grid(const LightPass& pass) const {
-    if (!water_.surface().is_height_field()) return {pass.strata, 1};
-    const glm::dvec2 size = scene_.state.water->extent.size;
-    const auto wanted = static_cast<double>(pass.strata);
-    const auto columns =
-        static_cast<std::size_t>(std::max(1.0, std::round(std::sqrt(wanted * size.x / size.y))));
-    return {columns, (pass.strata + columns - 1) / columns};
-}
-
 double Lamp::aspect() const {
     const glm::dvec2 size = scene_.state.water->extent.size;
     return water_.surface().is_height_field() ? size.x / size.y : 0;
@@ -83,8 +41,7 @@ double Lamp::aspect() const {
 
 std::size_t Lamp::strata(const LightPass& pass) const {
     if (pass.layout != nullptr) return pass.layout->strata();
-    const Grid size = grid(pass);
-    return size.columns * size.rows;
+    return StrataGrid(pass.strata, aspect()).strata();
 }
 
 /// As many equal stretches along the numbers of the triangles as there are strata, and a random point of the
@@ -93,12 +50,12 @@ std::vector<WaterPoint> Lamp::sample_triangles(const LightPass& pass, std::size_
                                                std::size_t end) const {
     const std::size_t count = end - begin;
     std::vector<WaterPoint> points(count);
-    const Grid size = grid(pass);
+    const StrataGrid size(pass.strata, aspect());
     const scene::TriangleMesh& mesh = water_.mesh();
     const double stretch = static_cast<double>(mesh.triangles.size()) / static_cast<double>(size.columns);
     for (std::size_t i = 0; i < count; ++i) {
         const std::size_t stratum = begin + i;
-        const double facet = random_number(scene_.state, pass, index_, stratum, kFacet);
+        const double facet = samples_.number(pass, stratum, Dimension::facet);
         double share = stretch;  // triangles that the point stands for
         double place = stretch * (static_cast<double>(stratum) + facet);
         if (pass.layout != nullptr) {
@@ -109,8 +66,8 @@ std::vector<WaterPoint> Lamp::sample_triangles(const LightPass& pass, std::size_
         }
         const glm::uvec3 corner =
             mesh.triangles[std::min(mesh.triangles.size() - 1, static_cast<std::size_t>(place))];
-        const double root = std::sqrt(random_number(scene_.state, pass, index_, stratum, kAlong));
-        const double v = root * random_number(scene_.state, pass, index_, stratum, kAcross);
+        const double root = std::sqrt(samples_.number(pass, stratum, Dimension::along));
+        const double v = root * samples_.number(pass, stratum, Dimension::across);
         const glm::dvec3 weight(1 - root, root - v, v);
         const auto at = [&](const std::vector<glm::dvec3>& values) {
             return weight.x * values[corner.x] + weight.y * values[corner.y] + weight.z * values[corner.z];
@@ -128,7 +85,7 @@ std::vector<WaterPoint> Lamp::sample_height_field(const LightPass& pass, std::si
                                                   std::size_t end) const {
     const std::size_t count = end - begin;
     std::vector<WaterPoint> points(count);
-    const Grid size = grid(pass);
+    const StrataGrid size(pass.strata, aspect());
     const scene::Extent& extent = scene_.state.water->extent;
     const glm::dvec2 corner = extent.center - 0.5 * extent.size;
     const glm::dvec2 even = extent.size / glm::dvec2(size.columns, size.rows);
@@ -142,8 +99,8 @@ std::vector<WaterPoint> Lamp::sample_height_field(const LightPass& pass, std::si
             low = glm::dvec2(cell.x, cell.y) * extent.size;
             cells[i] = glm::dvec2(cell.width, cell.height) * extent.size;
         }
-        x[i] = corner.x + low.x + cells[i].x * random_number(scene_.state, pass, index_, stratum, kAcross);
-        z[i] = corner.y + low.y + cells[i].y * random_number(scene_.state, pass, index_, stratum, kAlong);
+        x[i] = corner.x + low.x + cells[i].x * samples_.number(pass, stratum, Dimension::across);
+        z[i] = corner.y + low.y + cells[i].y * samples_.number(pass, stratum, Dimension::along);
     }
     water_.surface().evaluate(x, z, height, slope_x, slope_z);
     for (std::size_t i = 0; i < count; ++i) {
@@ -161,8 +118,8 @@ std::optional<Incoming> Lamp::illuminate(const LightPass& pass, const WaterPoint
     incoming.point = point;
     glm::dvec3 across;  // W/m^2 on a plane across the light
     if (light_.type == scene::LightType::sun) {
-        const SunRay ray = sun_ray(light_, random_number(scene_.state, pass, index_, stratum, kDiscRadius),
-                                   random_number(scene_.state, pass, index_, stratum, kDiscAngle));
+        const SunRay ray = sun_ray(light_, samples_.number(pass, stratum, Dimension::disc_radius),
+                                   samples_.number(pass, stratum, Dimension::disc_angle));
         if (!(ray.direction.y < 0)) return {};
         incoming.direction = ray.direction;
         incoming.distance = std::numeric_limits<double>::infinity();
@@ -171,19 +128,13 @@ std::optional<Incoming> Lamp::illuminate(const LightPass& pass, const WaterPoint
         const glm::dvec3 way = point.position - (light_.position - scene_.origin);
         incoming.distance = length(way);
         incoming.direction = way / incoming.distance;
-        const double share = light_.type == scene::LightType::spot
-                                 ? spot_share(dot(incoming.direction, light_.direction), light_.cone_angle,
-                                              light_.falloff_angle)
-                                 : 1;
-        across = share / (incoming.distance * incoming.distance) * light_.intensity;
+        across = intensity_towards(light_, incoming.direction) / (incoming.distance * incoming.distance);
     }
     const double facing = -dot(point.area, incoming.direction);
     incoming.side = facing > 0 ? 1 : -1;
     if (!(incoming.side > 0 ? from_above_ : from_below_)) return {};
     incoming.power = std::abs(facing) * across;
-    // 8 bits of the light's index stand below the stratum, the others above the pass's number of 24 bits.
-    const std::uint64_t set = static_cast<std::uint64_t>(index_ >> 8) << 24 | pass.number;
-    incoming.random = branched(branched(pass.strata, set), stratum << 8 | (index_ & 0xff));
+    incoming.random = samples_.ray(pass, stratum);
     incoming.stratum = static_cast<std::uint32_t>(stratum);
     if (!finite(incoming.power) || !(mean(incoming.power) > 0)) return {};
     return incoming;
@@ -229,9 +180,8 @@ void Lamp::remove_hidden(std::vector<Incoming>& incoming) const {
 }
 
 /// By the media between the lamp and the water.
-void Lamp::attenuate(std::vector<Incoming>& incoming) const {
+void Lamp::attenuate(std::vector<Incoming>& incoming, MediaProbe& probe) const {
     if (!media_.any_bounded(false) && !media_.any_bounded(true) && !from_below_) return;
-    MediaProbe probe(media_);
     for (Incoming& light : incoming) {
         RandomStream random{scene_.state.clip.seed, static_cast<std::uint64_t>(scene_.state.frame),
                             light.random};
@@ -241,7 +191,8 @@ void Lamp::attenuate(std::vector<Incoming>& incoming) const {
     std::erase_if(incoming, [](const Incoming& light) { return !(mean(light.power) > 0); });
 }
 
-std::vector<Incoming> Lamp::shine(const LightPass& pass, std::size_t begin, std::size_t end) const {
+std::vector<Incoming> Lamp::shine(const LightPass& pass, std::size_t begin, std::size_t end,
+                                  MediaProbe& probe) const {
     const std::vector<WaterPoint> points = water_.surface().is_height_field()
                                                ? sample_height_field(pass, begin, end)
                                                : sample_triangles(pass, begin, end);
@@ -251,7 +202,7 @@ std::vector<Incoming> Lamp::shine(const LightPass& pass, std::size_t begin, std:
         if (const auto lit = illuminate(pass, points[i], begin + i)) incoming.push_back(*lit);
     }
     remove_hidden(incoming);
-    attenuate(incoming);
+    attenuate(incoming, probe);
     return incoming;
 }
 

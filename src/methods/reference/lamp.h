@@ -5,20 +5,13 @@
 #include <optional>
 #include <vector>
 
+#include "methods/reference/light_samples.h"
 #include "methods/reference/own_media.h"
-#include "methods/reference/strata_layout.h"
 #include "methods/reference/water_rays.h"
 #include "rays/ray_scene.h"
 #include "scene/frame_scene.h"
 
 namespace dapple::reference {
-
-/// One set of light rays, stratified over the water: each pass is an estimate of its own.
-struct LightPass {
-    std::uint64_t number = 0;              ///< of the pass; its random numbers follow from it and `strata`
-    std::size_t strata = 0;                ///< asked for; strata() may be a few more
-    const StrataLayout* layout = nullptr;  ///< where they lie; null: evenly over the water
-};
 
 /// A place on the water that stands for an area of it.
 struct WaterPoint {
@@ -38,7 +31,7 @@ struct Incoming {
     std::uint32_t stratum = 0;
 };
 
-/// One light and how it falls on the water.
+/// One light and how it falls on the water, as the first thing that it meets.
 class Lamp {
 public:
     /// All arguments outlive the lamp. `index` into FrameState::lights.
@@ -56,27 +49,24 @@ public:
     /// Strata of a pass: those asked for, or a few more.
     std::size_t strata(const LightPass& pass) const;
     /// What comes to the water in strata [begin, end), without what objects or waves hide.
-    std::vector<Incoming> shine(const LightPass& pass, std::size_t begin, std::size_t end) const;
+    std::vector<Incoming> shine(const LightPass& pass, std::size_t begin, std::size_t end,
+                                MediaProbe& probe) const;
 
 private:
-    struct Grid {
-        std::size_t columns, rows;
-    };
-    Grid grid(const LightPass& pass) const;
     std::vector<WaterPoint> sample_triangles(const LightPass& pass, std::size_t begin, std::size_t end) const;
     std::vector<WaterPoint> sample_height_field(const LightPass& pass, std::size_t begin,
                                                 std::size_t end) const;
     std::optional<Incoming> illuminate(const LightPass& pass, const WaterPoint& point,
                                        std::size_t stratum) const;
     void remove_hidden(std::vector<Incoming>& incoming) const;
-    void attenuate(std::vector<Incoming>& incoming) const;
+    void attenuate(std::vector<Incoming>& incoming, MediaProbe& probe) const;
 
     const scene::FrameScene& scene_;
     const rays::RayScene& rays_;
     const WaterRays& water_;
     const OwnMedia& media_;
     const scene::Light& light_;
-    std::uint32_t index_;
+    LightSamples samples_;
     bool from_above_ = true, from_below_ = false;  ///< sides of the water that it may light
     bool waves_may_shadow_ = false;
 };

@@ -33,25 +33,34 @@ void deposit(const LayerCells& layer, const Arrival& arrival, Deposits& deposits
 
 }  // namespace
 
-bool run_pass(const LightTracer& tracer, const LightPass& pass, std::span<const LayerCells* const> layers,
-              const std::function<bool()>& stop, std::vector<std::vector<glm::dvec3>>& irradiance) {
+std::optional<PassResult> run_pass(const LightTracer& tracer, const LightPass& pass,
+                                   std::span<const LayerCells* const> layers,
+                                   const std::function<bool()>& stop,
+                                   std::vector<std::vector<glm::dvec3>>& irradiance) {
     irradiance.resize(layers.size());
     for (std::size_t l = 0; l < layers.size(); ++l)
         irradiance[l].assign(layers[l]->paths.size(), glm::dvec3(0));
-    const std::size_t strata = tracer.strata(pass);
+    PassResult result;
     std::vector<Deposits> tiles(kTilesAtOnce * layers.size());
-    for (std::size_t light = 0; light < tracer.lights(); ++light) {
+    std::vector<PassResult> found(kTilesAtOnce);
+    for (std::size_t source = 0; source < tracer.sources(); ++source) {
+        const std::size_t strata = tracer.strata(pass, source);
+        result.rays += strata;
         for (std::size_t first = 0; first < strata; first += kTile * kTilesAtOnce) {
-            if (stop()) return false;
+            if (stop()) return {};
             const std::size_t count = std::min(strata - first, kTile * kTilesAtOnce);
             parallel_for(count, kTile, [&](std::size_t begin, std::size_t end) {
-                std::vector<Arrival> arrivals;
-                tracer.trace(pass, light, first + begin, first + end, arrivals);
+                const Harvest harvest = tracer.trace(pass, source, first + begin, first + end);
+                found[begin / kTile] = {harvest.account, harvest.extinguished};
                 for (std::size_t l = 0; l < layers.size(); ++l) {
                     Deposits& deposits = tiles[begin / kTile * layers.size() + l];
-                    for (const Arrival& arrival : arrivals) deposit(*layers[l], arrival, deposits);
+                    for (const Arrival& arrival : harvest.arrivals) deposit(*layers[l], arrival, deposits);
                 }
             });
+            for (std::size_t tile = 0; tile * kTile < count; ++tile) {
+                result.account.add(found[tile].account);
+                result.extinguished |= found[tile].extinguished;
+            }
             parallel_for(kRanges * layers.size(), 1, [&](std::size_t begin, std::size_t end) {
                 for (std::size_t i = begin; i < end; ++i) {
                     const std::size_t l = i / kRanges;
@@ -64,7 +73,7 @@ bool run_pass(const LightTracer& tracer, const LightPass& pass, std::span<const 
             });
         }
     }
-    return true;
+    return result;
 }
 
 }  // namespace dapple::reference

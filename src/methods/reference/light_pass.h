@@ -1,6 +1,7 @@
 #pragma once
 #include <functional>
 #include <glm/glm.hpp>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -9,11 +10,20 @@
 
 namespace dapple::reference {
 
-/// Traces all lights of one pass and gives, for each of `layers`, the irradiance [W/m^2] of its pixels, in
+/// What a pass found beside irradiance, and the rays of all sources.
+struct PassResult {
+    EnergyAccount account;
+    bool extinguished = false;  ///< MediaProbe::extinguished of some
+    std::size_t rays = 0;
+};
+
+/// Traces all sources of one pass and gives, for each of `layers`, the irradiance [W/m^2] of its pixels, in
 /// `irradiance`. Deposits of fixed tiles of strata are added in the order of the tiles, so that the bits do
-/// not depend on the number of threads, nor on which layers are served together. False, with `irradiance`
+/// not depend on the number of threads, nor on which layers are served together. None, with `irradiance`
 /// useless, as soon as `stop` says so.
-bool run_pass(const LightTracer& tracer, const LightPass& pass, std::span<const LayerCells* const> layers,
-              const std::function<bool()>& stop, std::vector<std::vector<glm::dvec3>>& irradiance);
+std::optional<PassResult> run_pass(const LightTracer& tracer, const LightPass& pass,
+                                   std::span<const LayerCells* const> layers,
+                                   const std::function<bool()>& stop,
+                                   std::vector<std::vector<glm::dvec3>>& irradiance);
 
 }  // namespace dapple::reference

@@ -285,6 +285,7 @@ void MediaProbe::Walk::track(double leave, double majorant, RandomStream& random
         at -= std::log1p(-random.next()) / majorant;
         if (at >= leave) return;
         weight *= glm::max(glm::dvec3(0), 1.0 - density() / majorant * medium->extinction);
+        lost = lost || !any(weight);
     }
 }
 
@@ -324,6 +325,7 @@ glm::dvec3 MediaProbe::transmittance_to(double distance, RandomStream& random) {
     for (Walk& walk : walks_) {
         if (!any(result)) break;  // nor will there be light farther on
         walk.advance(distance, random);
+        extinguished_ = extinguished_ || walk.lost;
         result *= walk.weight;
     }
     return result;

@@ -14,7 +14,7 @@ namespace dapple::reference {
 namespace {
 
 /// Changes whenever the meaning of the file, or of the passes that it counts, does.
-constexpr char kHeader[] = "dapple reference progress 2\n";
+constexpr char kHeader[] = "dapple reference progress 3\n";
 constexpr std::size_t kHashBytes = 32;
 
 class Writer {
@@ -89,6 +89,7 @@ Progress read_progress(const std::string& path, const std::string& job) {
         estimate.passes = reader.get<std::uint64_t>();
         estimate.rays = reader.get<std::uint64_t>();
         estimate.done = reader.get<std::uint8_t>() != 0;
+        estimate.extinguished = reader.get<std::uint8_t>() != 0;
         const auto pixels = reader.get<std::uint64_t>();
         if (!reader.good || pixels > reader.left() / (2 * sizeof(glm::dvec3))) return {};
         estimate.mean.resize(pixels);
@@ -112,6 +113,7 @@ void write_progress(const std::string& path, const std::string& job, const Progr
         writer.put(estimate.passes);
         writer.put(estimate.rays);
         writer.put(static_cast<std::uint8_t>(estimate.done));
+        writer.put(static_cast<std::uint8_t>(estimate.extinguished));
         writer.put(static_cast<std::uint64_t>(estimate.mean.size()));
         writer.put_bytes(std::as_bytes(std::span(estimate.mean)));
         writer.put_bytes(std::as_bytes(std::span(estimate.deviation)));

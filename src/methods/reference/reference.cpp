@@ -25,9 +25,9 @@ std::string job_text(const FrameContext& context, reference::ReferenceOptions op
     text << std::hexfloat << state.frame << ' ' << state.clip.seed << ' ' << state.clip.width << ' '
          << state.clip.height << ' ' << state.clip.samples << ' ' << state.caustics.reference.standard_error
          << ' ' << state.caustics.reference.most_rays << ' ' << options.second_crossings << ' '
-         << options.mirrors;
+         << options.mirrors << ' ' << options.first_strata;
     for (const light::Chain& chain : context.chains)
-        text << ' ' << chain.light << ' ' << static_cast<int>(chain.event);
+        text << ' ' << chain.light << ' ' << static_cast<int>(chain.event) << ' ' << chain.object;
     return text.str();
 }
 
@@ -56,7 +56,9 @@ Reference::Reference(reference::ReferenceOptions options) : options_(options) {}
 Reference::~Reference() = default;
 
 Support Reference::supports_surface(const scene::FrameState&) const {
-    return {Support::Degree::yes, "brute force: light traced to a standard error, any chain, any receiver"};
+    return {Support::Degree::yes,
+            "brute force: light traced to a standard error, any chain of water, glass and mirrors, any "
+            "receiver"};
 }
 
 std::size_t Reference::bytes(const scene::FrameState& state, std::size_t pixels) const {
@@ -107,7 +109,7 @@ void Reference::irradiance(FrameContext& context, std::span<const view::Receiver
                 state.progress[{reference::Quantity::irradiance, layer.sample, layer.branch}];
             if (estimate.mean.size() != layer.pixels()) {
                 estimate = {};
-                estimate.start(kFirstStrata, layer.pixels());
+                estimate.start(options_.first_strata, layer.pixels());
             }
             estimates.push_back(&estimate);
         }
@@ -132,14 +134,17 @@ void Reference::irradiance(FrameContext& context, std::span<const view::Receiver
             served_cells.push_back(&cells[l]);
         }
         const LightPass light_pass{next->second, static_cast<std::size_t>(next->first)};
-        if (!reference::run_pass(state.tracer, light_pass, served_cells, context.checkpoint.stop, irradiance))
-            state.interrupt(context.checkpoint);
-        const std::size_t rays = state.tracer.strata(light_pass);
+        const auto pass_result =
+            reference::run_pass(state.tracer, light_pass, served_cells, context.checkpoint.stop, irradiance);
+        if (!pass_result) state.interrupt(context.checkpoint);
+        const std::size_t rays = pass_result->rays / std::max<std::size_t>(1, state.tracer.sources());
         context.stats.count("reference passes", 1);
-        context.stats.count("reference rays", static_cast<double>(rays * state.tracer.lights()));
+        context.stats.count("reference rays", static_cast<double>(pass_result->rays));
+        state.add_account(pass_result->account);
         for (std::size_t i = 0; i < served.size(); ++i) {
             RoundEstimate& estimate = *estimates[served[i]];
             estimate.add_pass(irradiance[i]);
+            estimate.extinguished |= pass_result->extinguished;
             if (estimate.passes == reference::kPasses)
                 estimate.end_round(0, rays, reference::kIrradianceExponent,
                                    context.scene.state.caustics.reference);
@@ -147,6 +152,7 @@ void Reference::irradiance(FrameContext& context, std::span<const view::Receiver
         state.save_at_times(context.checkpoint);
     }
     if (traced) state.save(context.checkpoint);
+    state.count_losses(context.stats);
     for (std::size_t l = 0; l < layers.size(); ++l) {
         count_most(context.stats, "reference standard error", estimates[l]->relative_error(0));
         results[l] = result_of(*estimates[l], cells[l], layers[l].sample == 0 && layers[l].branch == 0);

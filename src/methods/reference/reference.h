@@ -8,9 +8,10 @@
 namespace dapple::methods {
 
 /// Brute force, to judge the other methods by: slow, noisy, and without their ideas. Light is traced in
-/// double from a stratified, jittered grid over the water, on the analytic surface where there is one, by
-/// Snell's law and Fresnel's equations of its own, through any chain of water and mirrors, to cells on the
-/// receivers; a pixel's E is the mean over the cells that its own 16 x 16 camera paths end in. It shares
+/// double from a stratified, jittered grid over the water, on the analytic surface where there is one, and
+/// from one over each light's view of each body of glass that the chains name, by
+/// Snell's law and Fresnel's equations of its own, through any chain of water, glass and mirrors, to cells on
+/// the receivers; a pixel's E is the mean over the cells that its own 16 x 16 camera paths end in. It shares
 /// nothing with light/, optics/ and other methods; camera paths come from view/.
 ///
 /// Light is traced in rounds of equal passes, whose means a pixel are independent estimates: they give E and
@@ -18,6 +19,11 @@ namespace dapple::methods {
 /// until the mean standard error over the mean E is at most ReferenceParameters::standard_error; where
 /// most_rays does not suffice the last round that fits is the answer. A cell of the receivers that straddles
 /// a pixel's edge blurs by an eighth of a pixel at most; on planes aligned with the pixels there is none.
+///
+/// Bodies of glass are spheres, whose crossings are exact, and the triangles of boxes and meshes, these with
+/// interpolated normals where the file gives normals. What lies about a body (water or air) is asked where a
+/// ray comes out. Light that ratio tracking never lets through a medium leaves E or S at 0; where that may be
+/// the reason for a picture of zeros, its relative error is stated as 1.
 ///
 /// With a checkpoint's file, what is done is kept there every 20 s, at the end of a call and when the user
 /// wants to end, and read again by the same job, whose results then have the same bits as those of an
@@ -32,7 +38,8 @@ namespace dapple::methods {
 /// (camera_beams.h).
 ///
 /// Limits: light that leaves the water's rectangle below open water does not meet the rest plane outside it;
-/// branches of later crossings of less than 1e-4 of the light, and chains of more than eight events, end.
+/// branches of later crossings of less than 1e-4 of the light, and chains of more than 16 events, end (both
+/// are counted in the stats).
 /// Light of a sun's disc that would come from below the horizon is left out.
 class Reference final : public CausticMethod {
 public:
@@ -41,6 +48,7 @@ public:
     Support supports_surface(const scene::FrameState& state) const override;
     Support supports_volume(const scene::FrameState& state) const override;
     bool serves_behind_specular() const override { return true; }
+    bool follows_glass() const override { return true; }
     std::size_t bytes(const scene::FrameState& state, std::size_t pixels) const override;
     void begin(FrameContext& context) override;
     /// Error(interrupted) when the checkpoint says so.
@@ -52,9 +60,7 @@ public:
     /// "S.variance.R/G/B": squared standard error of what a pixel receives of its segments.
     std::vector<DataLayer> in_scatter_data() override;
 
-    /// Strata a pass and light of the first round: a million rays in all.
-    static constexpr std::uint64_t kFirstStrata = 65536;
-    /// The same of S, where a ray has many events.
+    /// Strata a pass and source in the first round of S, where a ray has many events.
     static constexpr std::uint64_t kFirstVolumeStrata = 4096;
 
 private:

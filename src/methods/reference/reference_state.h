@@ -19,12 +19,27 @@ struct Reference::State {
     reference::LightTracer tracer;
     std::string job;
     reference::Progress progress;            ///< of all layers of the frame
+    reference::EnergyAccount account;        ///< of all passes of E in this call of the program
+    double passes = 0;                       ///< in it
     double saved_at = 0;                     ///< s
     std::vector<DataLayer> in_scatter_data;  ///< of the last layer of segments
 
     /// Seconds between two writes of the checkpoint.
     static constexpr double kSavePeriod = 20;
 
+    void add_account(const reference::EnergyAccount& pass) {
+        account.add(pass);
+        passes += 1;
+    }
+    /// Light that is dropped, W, mean over the passes.
+    void count_losses(FrameStats& stats) const {
+        const auto set = [&](const char* name, double sum) {
+            if (sum > 0) stats.count(name, sum / passes - stats.counted(name));
+        };
+        set("reference lost to weak branches, W", account.weak);
+        set("reference lost to long chains, W", account.long_chains);
+        set("reference lost at edges of glass, W", account.astray);
+    }
     void save(const Checkpoint& checkpoint) {
         if (!checkpoint.file.empty()) reference::write_progress(checkpoint.file, job, progress);
         saved_at = wall_seconds();

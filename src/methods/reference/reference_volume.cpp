@@ -43,7 +43,7 @@ Support Reference::supports_volume(const scene::FrameState& state) const {
     if (state.camera.projection == scene::Projection::perspective) {
         return {Support::Degree::yes,
                 "brute force: light traced to a standard error; unbiased where the camera looks straight "
-                "into a medium, by fine beams of sub-pixel paths behind the water and mirrors"};
+                "into a medium, by fine beams of sub-pixel paths behind the water, glass and mirrors"};
     }
     return {Support::Degree::yes,
             "brute force: light traced to a standard error, by fine beams of sub-pixel paths"};
@@ -70,8 +70,8 @@ void Reference::in_scatter(FrameContext& context, const view::SegmentLayer& laye
         const ScopedPass pass(context.stats, "reference volume light");
         const reference::VolumeJob job{context.scene, context.rays, state.tracer, *camera,
                                        context.checkpoint.stop};
-        const std::vector<reference::WaterWeights> weights = reference::water_weights(job);
-        if (weights.size() < state.tracer.lights()) state.interrupt(context.checkpoint);
+        const std::vector<reference::SourceWeights> weights = reference::source_weights(job);
+        if (weights.size() < state.tracer.sources()) state.interrupt(context.checkpoint);
         std::vector<glm::dvec3> found;
         scene::ReferenceParameters wanted = context.scene.state.caustics.reference;
         wanted.standard_error *= std::sqrt(context.scene.state.clip.samples);
@@ -80,14 +80,14 @@ void Reference::in_scatter(FrameContext& context, const view::SegmentLayer& laye
         while (!estimate.done) {
             const LightPass light_pass{first_pass + estimate.passes,
                                        static_cast<std::size_t>(estimate.strata)};
-            std::size_t rays = 0;
-            if (!reference::run_volume_pass(job, light_pass, weights, found, rays))
-                state.interrupt(context.checkpoint);
+            const auto result = reference::run_volume_pass(job, light_pass, weights, found);
+            if (!result) state.interrupt(context.checkpoint);
+            estimate.extinguished |= result->extinguished;
             context.stats.count("reference volume passes", 1);
-            context.stats.count("reference volume rays", static_cast<double>(rays));
+            context.stats.count("reference volume rays", static_cast<double>(result->rays));
             estimate.add_pass(values_of(layer, std::move(found)));
             if (estimate.passes == reference::kPasses)
-                estimate.end_round(segments, rays / std::max<std::size_t>(1, state.tracer.lights()),
+                estimate.end_round(segments, result->rays / std::max<std::size_t>(1, state.tracer.sources()),
                                    reference::kInScatterExponent, wanted);
             state.save_at_times(context.checkpoint);
         }

@@ -8,6 +8,7 @@ namespace dapple::reference {
 void RoundEstimate::start(std::uint64_t strata_a_pass, std::size_t values) {
     strata = strata_a_pass;
     passes = 0;
+    extinguished = false;
     mean.assign(values, glm::dvec3(0));
     deviation.assign(values, glm::dvec3(0));
 }
@@ -32,7 +33,8 @@ double RoundEstimate::relative_error(std::size_t first) const {
         error += standard_error.x + standard_error.y + standard_error.z;
         sum += mean[i].x + mean[i].y + mean[i].z;
     }
-    return sum > 0 ? error / sum : 0;
+    if (sum > 0) return error / sum;
+    return extinguished ? 1 : 0;
 }
 
 void RoundEstimate::end_round(std::size_t first, std::uint64_t rays_a_pass, double exponent,

@@ -23,6 +23,7 @@ struct RoundEstimate {
     std::uint64_t passes = 0;           ///< done in this round
     std::uint64_t rays = 0;             ///< a light, of all rounds
     bool done = false;                  ///< the last round is complete
+    bool extinguished = false;          ///< some light of this round was lost to chance in a medium
     std::vector<glm::dvec3> mean;       ///< of each value, over the passes
     std::vector<glm::dvec3> deviation;  ///< sum of squared deviations from it (Welford 1962)
 
@@ -31,8 +32,8 @@ struct RoundEstimate {
     void add_pass(const std::vector<glm::dvec3>& values);
     /// Squared standard error of the mean, of one value; passes >= 2.
     glm::dvec3 variance(std::size_t value) const;
-    /// Of the values from `first` on: mean standard error over mean (means of the channels); 0 where all are
-    /// 0.
+    /// Of the values from `first` on: mean standard error over mean (means of the channels). Where all are 0,
+    /// 0 if that is the truth, and 1 if light may have been missed (`extinguished`).
     double relative_error(std::size_t first) const;
     /// After a whole round: ends the estimate or starts the next round. `rays_a_pass` are those of a light.
     void end_round(std::size_t first, std::uint64_t rays_a_pass, double exponent,

@@ -13,6 +13,7 @@ struct ScatteringEvent {
     std::uint32_t segment = 0;
     bool in_water = false;
     bool may_cross_water = false;  ///< waves may lie between
+    double slack = 0;              ///< m before the near end within which nothing hides it
 };
 
 }  // namespace dapple::reference

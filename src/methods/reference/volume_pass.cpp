@@ -47,7 +47,7 @@ private:
     /// To the near end, a few roundings short of it: it may lie on a mirror.
     rays::Ray ray_of(const ScatteringEvent& event) const {
         const glm::dvec3 way = event.near_end - event.position;
-        const double rest = 8 * rounding_of(event.near_end) / length(way);
+        const double rest = (8 * rounding_of(event.near_end) + event.slack) / length(way);
         return float_ray(event.position, way, 0, static_cast<float>(std::max(0.0, 1 - rest)));
     }
     /// Only near the surface may there be a wave on a straight way within one medium.
@@ -79,18 +79,16 @@ private:
     std::vector<std::size_t> tested_;
 };
 
-/// Traces strata [begin, end) of one light and adds what they scatter to `sums`. `number` picks an event's
-/// place there.
+/// Traces strata [begin, end) of one source and adds what they scatter to `sums`. `number` picks an event's
+/// place there. MediaProbe::extinguished of some.
 template <class Number>
-void trace_events(const VolumeJob& job, const LightPass& pass, std::size_t light, std::size_t begin,
+bool trace_events(const VolumeJob& job, const LightPass& pass, std::size_t source, std::size_t begin,
                   std::size_t end, std::vector<glm::dvec3>& sums, const Number& number) {
-    std::vector<Arrival> ignored;
-    std::vector<LightWay> ways;
-    job.tracer.trace(pass, light, begin, end, ignored, &ways);
+    const Harvest harvest = job.tracer.trace(pass, source, begin, end, true);
     EventSink sink(job.scene, job.rays, job.tracer, sums);
     MediaProbe along_light(job.tracer.media()), to_eye(job.tracer.media());
     const scene::FrameState& state = job.scene.state;
-    for (const LightWay& way : ways) {
+    for (const LightWay& way : harvest.ways) {
         RandomStream random{state.clip.seed, static_cast<std::uint64_t>(state.frame), way.random};
         const std::size_t first = sink.events.size();
         if (job.segments.eye->any())
@@ -101,14 +99,15 @@ void trace_events(const VolumeJob& job, const LightPass& pass, std::size_t light
         if (sink.events.size() >= kBatch) sink.flush();
     }
     sink.flush();
+    return harvest.extinguished || along_light.extinguished() || to_eye.extinguished();
 }
 
 }  // namespace
 
-std::vector<WaterWeights> water_weights(const VolumeJob& job) {
-    std::vector<WaterWeights> result;
-    for (std::size_t light = 0; light < job.tracer.lights(); ++light) {
-        StrataLayout even(job.tracer.lamp(light).aspect(), kPilotStrata);
+std::vector<SourceWeights> source_weights(const VolumeJob& job) {
+    std::vector<SourceWeights> result;
+    for (std::size_t source = 0; source < job.tracer.sources(); ++source) {
+        StrataLayout even(job.tracer.aspect(source), kPilotStrata);
         const LightPass pass{kPilotPass, kPilotStrata, &even};
         std::vector<glm::dvec3> brought(even.strata(), glm::dvec3(0));
         constexpr std::size_t kAtOnce = kTile * kMostTilesAtOnce;
@@ -117,7 +116,7 @@ std::vector<WaterWeights> water_weights(const VolumeJob& job) {
             const std::size_t count = std::min(even.strata() - first, kAtOnce);
             parallel_for(count, kTile, [&](std::size_t begin, std::size_t end) {
                 // Strata lie apart in `brought`: threads do not meet.
-                trace_events(job, pass, light, first + begin, first + end, brought,
+                trace_events(job, pass, source, first + begin, first + end, brought,
                              [&](const LightWay& way, ScatteringEvent& event) {
                                  event.radiance *= job.segments.throughput[event.segment];
                                  event.segment = way.stratum;
@@ -134,34 +133,38 @@ std::vector<WaterWeights> water_weights(const VolumeJob& job) {
     return result;
 }
 
-bool run_volume_pass(const VolumeJob& job, LightPass pass, const std::vector<WaterWeights>& weights,
-                     std::vector<glm::dvec3>& radiance, std::size_t& rays) {
+std::optional<VolumePassResult> run_volume_pass(const VolumeJob& job, LightPass pass,
+                                                const std::vector<SourceWeights>& weights,
+                                                std::vector<glm::dvec3>& radiance) {
     const std::size_t segments = job.segments.segments;
     radiance.assign(segments, glm::dvec3(0));
-    rays = 0;
+    VolumePassResult result;
     const std::size_t tile = std::max(kTile, segments / kSegmentsAStratum);
     const std::size_t at_once = std::clamp<std::size_t>(
         kWaitingBytes / (sizeof(glm::dvec3) * std::max<std::size_t>(1, segments)), 1, kMostTilesAtOnce);
     std::vector<std::vector<glm::dvec3>> sums(at_once);
-    for (std::size_t light = 0; light < job.tracer.lights(); ++light) {
-        const StrataLayout layout(weights[light].tiles, weights[light].weights, pass.strata);
+    std::vector<std::uint8_t> extinguished(at_once);
+    for (std::size_t source = 0; source < job.tracer.sources(); ++source) {
+        const StrataLayout layout(weights[source].tiles, weights[source].weights, pass.strata);
         pass.layout = &layout;
         const std::size_t strata = layout.strata();
-        rays += strata;
+        result.rays += strata;
         for (std::size_t first = 0; first < strata; first += tile * at_once) {
-            if (job.stop()) return false;
+            if (job.stop()) return {};
             const std::size_t count = std::min(strata - first, tile * at_once);
             parallel_for(count, tile, [&](std::size_t begin, std::size_t end) {
                 std::vector<glm::dvec3>& sum = sums[begin / tile];
                 sum.assign(segments, glm::dvec3(0));
-                trace_events(job, pass, light, first + begin, first + end, sum,
-                             [](const LightWay&, ScatteringEvent&) {});
+                extinguished[begin / tile] = trace_events(job, pass, source, first + begin, first + end, sum,
+                                                          [](const LightWay&, ScatteringEvent&) {});
             });
-            for (std::size_t t = 0; t * tile < count; ++t)
+            for (std::size_t t = 0; t * tile < count; ++t) {
                 for (std::size_t i = 0; i < segments; ++i) radiance[i] += sums[t][i];
+                result.extinguished |= extinguished[t] != 0;
+            }
         }
     }
-    return true;
+    return result;
 }
 
 }  // namespace dapple::reference

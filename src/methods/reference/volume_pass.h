@@ -1,6 +1,7 @@
 #pragma once
 #include <functional>
 #include <glm/glm.hpp>
+#include <optional>
 #include <vector>
 
 #include "methods/reference/camera_segments.h"
@@ -20,19 +21,24 @@ struct VolumeJob {
     const std::function<bool()>& stop;
 };
 
-/// For each light of the tracer the tiles of the water and what a ray of them brings to the picture, root
+/// For each source of the tracer the tiles of its strata and what a ray of them brings to the picture, root
 /// mean square. Empty where the user wants to stop.
-struct WaterWeights {
+struct SourceWeights {
     StrataLayout tiles;
     std::vector<double> weights;
 };
-std::vector<WaterWeights> water_weights(const VolumeJob& job);
+std::vector<SourceWeights> source_weights(const VolumeJob& job);
 
-/// Traces all lights of one pass and gives S [W/m^2/sr] of each segment in `radiance`, and the number of rays
-/// of all lights. Tiles of strata, whose size depends on the number of segments alone, are added in their
-/// order, so that the bits do not depend on the number of threads. False, with `radiance` useless, as soon as
-/// `stop` says so.
-bool run_volume_pass(const VolumeJob& job, LightPass pass, const std::vector<WaterWeights>& weights,
-                     std::vector<glm::dvec3>& radiance, std::size_t& rays);
+struct VolumePassResult {
+    std::size_t rays = 0;       ///< of all sources
+    bool extinguished = false;  ///< MediaProbe::extinguished of some
+};
+
+/// Traces all sources of one pass and gives S [W/m^2/sr] of each segment in `radiance`. Tiles of strata,
+/// whose size depends on the number of segments alone, are added in their order, so that the bits do not
+/// depend on the number of threads. None, with `radiance` useless, as soon as `stop` says so.
+std::optional<VolumePassResult> run_volume_pass(const VolumeJob& job, LightPass pass,
+                                                const std::vector<SourceWeights>& weights,
+                                                std::vector<glm::dvec3>& radiance);
 
 }  // namespace dapple::reference

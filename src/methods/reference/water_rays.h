@@ -26,12 +26,19 @@ struct WaterCrossing {
 /// the point is then moved to the surface itself. Positions are m, relative to the frame's origin.
 class WaterRays {
 public:
-    explicit WaterRays(const scene::FrameScene& scene) : scene_(scene), surface_(scene) {}
+    explicit WaterRays(const scene::FrameScene& scene);
 
-    const TrueSurface& surface() const { return surface_; }
+    bool exists() const { return surface_.has_value(); }
+    /// Where there is water.
+    const TrueSurface& surface() const { return *surface_; }
     /// Builds the mesh and its tree; without, nothing meets the water.
     void build();
     bool built() const { return rays_.has_value(); }
+    /// Whether a point that is not in an object lies in the water: below the surface, and outside the
+    /// rectangle below the rest plane of open water. Needs build() where the surface is no height field.
+    bool in_water(const glm::dvec3& position) const;
+    /// Whether a point is over or below open water outside the rectangle.
+    bool beyond_rectangle(const glm::dvec3& position) const;
     const scene::TriangleMesh& mesh() const { return fine_scene_->water->mesh; }
 
     /// Whether a ray from a point of the surface may come back to it, from the bound of the slope.
@@ -47,8 +54,10 @@ public:
     WaterCrossing crossing(const glm::dvec3& origin, const glm::dvec3& direction, const rays::Hit& hit) const;
 
 private:
+    bool over_rectangle(const glm::dvec3& world) const;
+
     const scene::FrameScene& scene_;
-    TrueSurface surface_;
+    std::optional<TrueSurface> surface_;  ///< none where there is no water
     std::optional<scene::FrameScene> fine_scene_;
     std::optional<rays::RayScene> rays_;
     std::optional<view::SurfaceGeometry> geometry_;
