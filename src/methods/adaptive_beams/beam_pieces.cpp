@@ -9,6 +9,11 @@ namespace {
 
 /// Halvings of an edge: what is lost is then a 4096th of it.
 constexpr int kHalvings = 12;
+/// Times that a piece is cut again where more than two kinds of paths meet in it.
+constexpr int kRounds = 4;
+/// What lies between the corners of a cut piece is lost where it is smaller than this against the piece: with
+/// paths of two kinds it is, being a 4096th wide.
+constexpr double kSliver = 1e-3;
 
 using Corners = std::array<std::uint32_t, 3>;
 
@@ -19,9 +24,9 @@ struct Piece {
     glm::dvec3 scale{1};  // by which flux is corrected, so that pieces add up to what they were cut from
 };
 
-/// Where the path changes along an edge: the last ray that is like the edge's first, and the first that is
-/// like its second.
-using Change = std::array<std::uint32_t, 2>;
+/// Where the path changes along an edge: the last ray that is like the edge's first, the one after it, the
+/// one before the first that is like the edge's second, and that.
+using Change = std::array<std::uint32_t, 4>;
 
 class Cutter {
 public:
@@ -73,6 +78,8 @@ private:
     }
 
     glm::dvec3 arriving(std::uint32_t ray, std::size_t leg) const {
+        // A ray that was found between others may have ended before.
+        if (path(ray).legs.size() < leg) return glm::dvec3(0);
         const glm::dvec3& share = leg == 0 ? path(ray).entry : path(ray).legs[leg - 1].throughput;
         return rays_.paths[ray].falloff * share;
     }
@@ -148,56 +155,71 @@ private:
         return legs;
     }
 
+    using Kind = std::function<std::uint64_t(std::uint32_t)>;
+    using Weight = std::function<glm::dvec3(const Piece&)>;
+
     /// Pieces whose rays have one kind each; `weight` is what a piece carries a unit of extent.
-    std::vector<Piece> cut(const std::vector<Piece>& pieces,
-                           const std::function<std::uint64_t(std::uint32_t)>& kind,
-                           const std::function<glm::dvec3(const Piece&)>& weight) {
-        const auto mixed = [&](const Piece& piece) {
-            return kind(piece.rays[0]) != kind(piece.rays[1]) || kind(piece.rays[0]) != kind(piece.rays[2]);
-        };
-        if (!keep_whole_) find_changes(pieces, kind);
+    std::vector<Piece> cut(std::vector<Piece> pieces, const Kind& kind, const Weight& weight) {
         std::vector<Piece> result;
-        for (const Piece& piece : pieces) {
-            if (!mixed(piece)) {
-                result.push_back(piece);
-                continue;
+        changes_.clear();
+        for (int round = 0; !pieces.empty(); ++round) {
+            std::vector<Piece> mixed;
+            for (const Piece& piece : pieces) {
+                const std::uint64_t first = kind(piece.rays[0]);
+                const bool alike = kind(piece.rays[1]) == first && kind(piece.rays[2]) == first;
+                (alike ? result : mixed).push_back(piece);
             }
-            if (keep_whole_) {
-                lose(Cause::silhouette, piece.extent * piece.scale * weight(piece));
-                continue;
+            pieces.clear();
+            if (keep_whole_ || round == kRounds) {
+                for (const Piece& piece : mixed)
+                    lose(Cause::silhouette, piece.extent * piece.scale * weight(piece));
+                break;
             }
-            cut_piece(piece, kind, weight, result);
+            find_changes(mixed, kind);
+            for (const Piece& piece : mixed) cut_piece(piece, kind, weight, pieces);
         }
         return result;
     }
 
-    void cut_piece(const Piece& piece, const std::function<std::uint64_t(std::uint32_t)>& kind,
-                   const std::function<glm::dvec3(const Piece&)>& weight, std::vector<Piece>& result) {
+    /// The corners of a mixed piece, and what lies between where something of a third kind does.
+    void cut_piece(const Piece& piece, const Kind& kind, const Weight& weight, std::vector<Piece>& result) {
         const Corners& c = piece.rays;
         const std::size_t first = result.size();
         double rest = piece.extent;
-        const auto add = [&](std::uint32_t a, std::uint32_t b, std::uint32_t d) {
+        const auto add = [&](std::uint32_t a, std::uint32_t b, std::uint32_t d, double least) {
             Piece part{{a, b, d}, 0, piece.scale};
             part.extent = std::min(rest, extent(part.rays));
+            if (!(part.extent > least * piece.extent)) return;
             rest -= part.extent;
-            if (part.extent > 0) result.push_back(part);
+            result.push_back(part);
         };
-        const auto near = [&](std::uint32_t from, std::uint32_t towards) {
-            const auto [low, high] = std::minmax(from, towards);
+        // Rays on the way from a corner to another: 0 the last that is like the corner, 1 the first that is
+        // not.
+        const auto on_way = [&](std::uint32_t from, std::uint32_t to, std::size_t i) {
+            const auto [low, high] = std::minmax(from, to);
             const Change& change = changes_.at(key(low, high));
-            return from == low ? change[0] : change[1];
+            return from == low ? change[i] : change[3 - i];
         };
         std::size_t odd = 3;  // the corner that is unlike the other two, which are alike
         for (std::size_t i = 0; i < 3; ++i)
             if (kind(c[(i + 1) % 3]) == kind(c[(i + 2) % 3])) odd = i;
         if (odd < 3) {
             const std::uint32_t a = c[odd], b = c[(odd + 1) % 3], d = c[(odd + 2) % 3];
-            add(a, near(a, b), near(a, d));
-            add(b, d, near(b, a));
-            add(d, near(d, a), near(b, a));
+            add(a, on_way(a, b, 0), on_way(a, d, 0), 0);
+            add(on_way(a, b, 1), on_way(b, a, 1), on_way(d, a, 1), kSliver);
+            add(on_way(a, b, 1), on_way(d, a, 1), on_way(a, d, 1), kSliver);
+            add(b, d, on_way(b, a, 0), 0);
+            add(d, on_way(d, a, 0), on_way(b, a, 0), 0);
         } else {
             for (std::size_t i = 0; i < 3; ++i)
-                add(c[i], near(c[i], c[(i + 1) % 3]), near(c[i], c[(i + 2) % 3]));
+                add(c[i], on_way(c[i], c[(i + 1) % 3], 0), on_way(c[i], c[(i + 2) % 3], 0), 0);
+            // The hexagon between: a fan from its first corner.
+            std::array<std::uint32_t, 6> rim{};
+            for (std::size_t i = 0; i < 3; ++i) {
+                rim[2 * i] = on_way(c[i], c[(i + 1) % 3], 1);
+                rim[2 * i + 1] = on_way(c[(i + 1) % 3], c[i], 1);
+            }
+            for (std::size_t i = 1; i < 5; ++i) add(rim[0], rim[i], rim[i + 1], kSliver);
         }
         // Means over pieces are a finer quadrature than that over the whole: they are made to add up.
         const glm::dvec3 whole = weight(piece);
@@ -214,9 +236,7 @@ private:
     }
 
     /// Fills changes_ for all edges of the pieces whose ends differ.
-    void find_changes(const std::vector<Piece>& pieces,
-                      const std::function<std::uint64_t(std::uint32_t)>& kind) {
-        changes_.clear();
+    void find_changes(const std::vector<Piece>& pieces, const Kind& kind) {
         std::vector<std::array<std::uint32_t, 2>> edges;
         for (const Piece& piece : pieces)
             for (std::size_t i = 0; i < 3; ++i) {
@@ -224,29 +244,32 @@ private:
                 if (kind(low) == kind(high)) continue;
                 if (changes_.try_emplace(key(low, high)).second) edges.push_back({low, high});
             }
-        if (edges.empty()) return;
-        const std::vector<Change> from_low = halve(edges, kind);
+        const auto from_low = halve(edges, kind);
         // Where something of a third kind lies between, the other side of it is looked for from the other
         // end.
         std::vector<std::array<std::uint32_t, 2>> reversed;
         std::vector<std::size_t> which;
         for (std::size_t i = 0; i < edges.size(); ++i) {
-            changes_[key(edges[i][0], edges[i][1])] = from_low[i];
-            if (kind(from_low[i][1]) == kind(edges[i][1])) continue;
+            const auto [last, next] = from_low[i];
+            changes_[key(edges[i][0], edges[i][1])] = {last, next, last, next};
+            if (kind(next) == kind(edges[i][1])) continue;
             reversed.push_back({edges[i][1], edges[i][0]});
             which.push_back(i);
         }
-        const std::vector<Change> from_high = halve(reversed, kind);
-        for (std::size_t i = 0; i < which.size(); ++i)
-            changes_[key(edges[which[i]][0], edges[which[i]][1])][1] = from_high[i][0];
+        const auto from_high = halve(reversed, kind);
+        for (std::size_t i = 0; i < which.size(); ++i) {
+            Change& change = changes_[key(edges[which[i]][0], edges[which[i]][1])];
+            change[2] = from_high[i][1];
+            change[3] = from_high[i][0];
+        }
     }
 
     /// The last ray like each edge's first end, and one beyond it that is not.
-    std::vector<Change> halve(const std::vector<std::array<std::uint32_t, 2>>& edges,
-                              const std::function<std::uint64_t(std::uint32_t)>& kind) {
+    std::vector<std::array<std::uint32_t, 2>> halve(const std::vector<std::array<std::uint32_t, 2>>& edges,
+                                                    const Kind& kind) {
         // A working ray an end of each edge, in place of thousands that nobody asks for again.
         const std::size_t first = rays_.uv.size(), count = edges.size();
-        std::vector<Change> brackets(edges.begin(), edges.end());
+        auto brackets = edges;
         std::vector<glm::dvec2> uv(count);
         std::vector<VertexPaths> traced(count);
         std::vector<std::uint64_t> alike(count);
