@@ -96,6 +96,7 @@ void BeamWays<Real>::judge(const SheetCoverage<Real>& coverage) {
     shade_.assign(triangles.size(), 0);
     free_depth_.assign(triangles.size(), infinity);
     last_depth_.assign(triangles.size(), infinity);
+    blockers_.assign(triangles.size(), {});
 
     struct Volume {
         Bounds surface[2], ends[2];
@@ -174,7 +175,10 @@ void BeamWays<Real>::judge(const SheetCoverage<Real>& coverage) {
                         // Objects may stand deeper than the vertices' rays get.
                         for (const std::uint32_t v : corners) widen(own, v, false);
                         free_depth_[beam] = static_cast<Real>(occluders.first_depth(own.surface, own.ends));
+                        blockers_[beam].after = occluders.after_water(own.surface, own.ends);
                     }
+                    if (shade & kMixedBefore)
+                        blockers_[beam].before = occluders.before_water(own.surface[1], spread);
                 }
                 if (shade & kDark) last_depth_[beam] = -infinity;
                 if (shade & kCut) last_depth_[beam] = std::max({stop_[t.x], stop_[t.y], stop_[t.z]});

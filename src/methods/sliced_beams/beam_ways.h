@@ -22,7 +22,7 @@ public:
     };
 
     static constexpr double kBytesAVertex = sizeof(Real) + 2 * sizeof(std::uint32_t);
-    static constexpr double kBytesABeam = 1 + 2 * sizeof(Real);
+    static constexpr double kBytesABeam = 1 + 2 * sizeof(Real) + 2 * sizeof(ObjectSet);
 
     /// References need not outlive this.
     explicit BeamWays(const SheetCoverage<Real>& sheet);
@@ -32,6 +32,11 @@ public:
     /// m along the axis, where an object stops a vertex's ray; infinite: none.
     Real stop(std::uint32_t vertex) const { return stop_[vertex]; }
     Real free_depth(std::uint32_t beam) const { return free_depth_[beam]; }
+    /// Of a mixed beam.
+    struct Blockers {
+        ObjectSet after = 0, before = 0;  ///< that may stand among the rays after the water, and before it
+    };
+    const Blockers& blockers(std::uint32_t beam) const { return blockers_[beam]; }
     /// Depth beyond which a beam has no light, a beam; empty: none has one.
     std::span<const Real> last_depths() const { return last_depth_; }
     void report(FrameStats& stats) const;
@@ -46,6 +51,7 @@ private:
     std::vector<std::uint32_t> stopped_by_, hidden_by_;  ///< a vertex: object or kNoObject
     std::vector<std::uint8_t> shade_;
     std::vector<Real> free_depth_, last_depth_;
+    std::vector<Blockers> blockers_;
 };
 
 extern template class BeamWays<float>;

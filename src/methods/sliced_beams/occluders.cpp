@@ -112,16 +112,33 @@ double Occluders::first_depth(const Bounds (&surface)[2], const Bounds (&receive
     return first;
 }
 
+ObjectSet Occluders::after_water(const Bounds (&surface)[2], const Bounds (&receivers)[2]) const {
+    ObjectSet set = 0;
+    for (std::size_t i = 0; i < objects_.size(); ++i)
+        if (may_meet(surface[0], receivers[0], objects_[i].in_sheet) &&
+            may_meet(surface[1], receivers[1], objects_[i].in_world))
+            set |= object_bit(i);
+    return set;
+}
+
+Bounds Occluders::source_of(const Bounds& surface, double spread) const {
+    if (to_sun_ == glm::dvec3(0)) return {lamp_, lamp_};
+    const glm::dvec3 size = glm::max(glm::abs(surface.low), glm::abs(surface.high));
+    const glm::dvec3 way = 2 * (beyond_ + glm::length(size)) * to_sun_;
+    const double wider = spread * glm::length(way);
+    return {surface.low + way - wider, surface.high + way + wider};
+}
+
 bool Occluders::free_before_water(const Bounds& surface, double spread) const {
-    Bounds source{lamp_, lamp_};
-    if (to_sun_ != glm::dvec3(0)) {
-        const glm::dvec3 size = glm::max(glm::abs(surface.low), glm::abs(surface.high));
-        const glm::dvec3 way = 2 * (beyond_ + glm::length(size)) * to_sun_;
-        const double wider = spread * glm::length(way);
-        source = {surface.low + way - wider, surface.high + way + wider};
-    }
-    return std::none_of(objects_.begin(), objects_.end(),
-                        [&](const Object& object) { return may_meet(surface, source, object.in_world); });
+    return before_water(surface, spread) == 0;
+}
+
+ObjectSet Occluders::before_water(const Bounds& surface, double spread) const {
+    const Bounds source = source_of(surface, spread);
+    ObjectSet set = 0;
+    for (std::size_t i = 0; i < objects_.size(); ++i)
+        if (may_meet(surface, source, objects_[i].in_world)) set |= object_bit(i);
+    return set;
 }
 
 template Occluders::Occluders(const scene::FrameScene&, const light::BeamSheet<float>&);

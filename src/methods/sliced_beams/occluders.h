@@ -5,6 +5,7 @@
 
 #include "light/water_beams.h"
 #include "methods/sliced_beams/beam_pyramid.h"
+#include "methods/sliced_beams/shadow_shapes.h"
 #include "rays/ray_scene.h"
 #include "scene/frame_scene.h"
 
@@ -41,6 +42,9 @@ public:
     /// Whether nothing can stand between the light and points of the water, in world axes; `spread`: m a m,
     /// by how much rays to a sun may lean from its middle's.
     bool free_before_water(const Bounds& surface, double spread = 0) const;
+    /// The objects that can stand in either light.
+    ObjectSet after_water(const Bounds (&surface)[2], const Bounds (&receivers)[2]) const;
+    ObjectSet before_water(const Bounds& surface, double spread = 0) const;
     /// The least depth in the sheet at which an object can stand between such points; infinite: none can.
     double first_depth(const Bounds (&surface)[2], const Bounds (&receivers)[2]) const;
     /// Whether a ray that meets the object leaves nothing but points inside or behind it between those of two
@@ -56,6 +60,9 @@ public:
     }
 
 private:
+    /// Where the light that reaches points of the water comes from.
+    Bounds source_of(const Bounds& surface, double spread) const;
+
     struct Object {
         bool flat, convex;
         glm::dvec3 centre;

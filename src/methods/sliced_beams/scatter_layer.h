@@ -10,24 +10,27 @@
 
 namespace dapple::methods::sliced_beams {
 
-/// Segments of one block of 4 x 2 pixels that follow each other in no path and lie on one side of the water:
-/// what is worked on at a time.
+/// Segments of neighboring pixels that follow each other in no path and lie on one side of the water: what is
+/// worked on at a time.
 struct LayerGroup {
     bool in_water = false;
     SegmentGroup<float> segments;
     std::array<std::uint32_t, kLanes<float>> segment;  ///< index into the layer; only where length >= 0
 };
 
-/// A layer's segments, block by block.
+/// A layer's segments, patch by patch of 16 x 8 pixels.
 class LayerSegments {
 public:
     explicit LayerSegments(const view::SegmentLayer& layer);
-    std::size_t blocks() const { return across_ * down_; }
-    /// In a fixed order: those of one side that are the first of their pixel, the second, and so on.
-    std::vector<LayerGroup> groups(std::size_t block) const;
+    std::size_t patches() const { return across_ * down_; }
+    /// In a fixed order: groups of the first segments of pixels on one side, of their second, and so on. A
+    /// full group holds those of 4 x 2 pixels, or, where pixels are left out, of the next ones in Morton
+    /// order.
+    std::vector<LayerGroup> groups(std::size_t patch) const;
 
 private:
-    static constexpr std::size_t kWide = 4, kHigh = 2;
+    static constexpr std::size_t kWide = 4, kHigh = 2;  ///< pixels of a block
+    static constexpr std::size_t kSide = 4;             ///< blocks along each side of a patch
     const view::SegmentLayer& layer_;
     std::size_t across_, down_;
 };

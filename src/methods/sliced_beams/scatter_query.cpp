@@ -9,7 +9,7 @@ namespace dapple::methods::sliced_beams {
 namespace {
 
 /// Parts of an interval that are asked one by one whether an object hides them from the light.
-constexpr int kShadowParts = 4;
+constexpr int kShadowParts = 4;  // between whose ends shadows' edges are linear
 constexpr std::size_t kPairsAtOnce = 4096;
 
 }  // namespace
@@ -146,14 +146,66 @@ void ScatterQuery<Real>::take_piece(const L& enter, const L& leave, const Mask<R
     counts_.intervals += static_cast<std::size_t>(__builtin_popcount(bits(mask)));
     if (shade_ & (Ways::kMixedAfter | Ways::kMixedBefore))
         add_shadowed(enter, leave, mask);
-    else if (by_moments_)
-        add_moments(enter, leave, mask);
     else
-        add_piece(enter, leave, mask);
+        add_lit(enter, leave, mask);
+}
+
+template <class Real>
+typename ScatterQuery<Real>::L ScatterQuery<Real>::shadow_depth(const L& t,
+                                                                const typename Ways::Blockers& blockers,
+                                                                const PointLanes<Real>& to_light,
+                                                                bool sun) const {
+    const Node n = node(t);
+    const PointLanes<Real> point{multiply_add(t, part_.half_a, part_.a),
+                                 multiply_add(t, part_.half_b, part_.b),
+                                 multiply_add(t, part_.half_depth, part_.depth)};
+    const L below = point.depth - n.start;
+    const PointLanes<Real> water{point.a - below * n.slope_a, point.b - below * n.slope_b, n.start};
+    L depth = sheet_.shapes_.depth(blockers.after, point, water);
+    if (blockers.before != 0) {
+        PointLanes<Real> source = to_light;
+        if (sun) source = {water.a + to_light.a, water.b + to_light.b, water.depth + to_light.depth};
+        depth = greater(depth, sheet_.shapes_.depth(blockers.before, water, source));
+    }
+    return depth;
 }
 
 template <class Real>
 void ScatterQuery<Real>::add_shadowed(const L& enter, const L& leave, const Mask<Real>& mask) {
+    const typename Ways::Blockers& blockers = sheet_.ways_.blockers(beam_);
+    if (!sheet_.shapes_.knows(blockers.after | blockers.before)) return add_traced(enter, leave, mask);
+    const bool sun = direction_.to_sun != glm::vec3(0);
+    const glm::dvec3 light =
+        (sun ? static_cast<double>(sheet_.shapes_.beyond()) * glm::dvec3(direction_.to_sun)
+             : sheet_.coverage_.lamp()) *
+        sheet_.coverage_.sheet().world_from_mesh;
+    const PointLanes<Real> to_light{splat(static_cast<Real>(light.x)), splat(static_cast<Real>(light.y)),
+                                    splat(static_cast<Real>(light.z))};
+    L place[kShadowParts + 1], depth[kShadowParts + 1];
+    Mask<Real> lit = mask, dark = mask;
+    for (int i = 0; i <= kShadowParts; ++i) {
+        place[i] = enter + (leave - enter) * (static_cast<Real>(i) / kShadowParts);
+        depth[i] = shadow_depth(place[i], blockers, to_light, sun);
+        lit &= depth[i] < 0;
+        dark &= ~(depth[i] < 0);
+    }
+    counts_.shadow_tests += (kShadowParts + 1) * static_cast<std::size_t>(__builtin_popcount(bits(mask)));
+    if (any(lit)) add_lit(enter, leave, lit);
+    const Mask<Real> parted = mask & ~lit & ~dark;
+    if (!any(parted)) return;
+    for (int i = 0; i < kShadowParts; ++i) {
+        const Mask<Real> first = depth[i] < 0, last = depth[i + 1] < 0;
+        const Mask<Real> some = parted & (first | last);
+        if (!any(some)) continue;
+        const Mask<Real> crossed = first ^ last;
+        const L change = crossed ? depth[i] - depth[i + 1] : splat(Real(1));
+        const L edge = place[i] + (place[i + 1] - place[i]) * (depth[i] / change);
+        add_lit(first ? place[i] : edge, last ? place[i + 1] : edge, some);
+    }
+}
+
+template <class Real>
+void ScatterQuery<Real>::add_traced(const L& enter, const L& leave, const Mask<Real>& mask) {
     const glm::dmat3& world_from_sheet = sheet_.coverage_.sheet().world_from_mesh;
     for (int i = 0; i < kShadowParts; ++i) {
         const auto at = [&](int k) {

@@ -51,8 +51,22 @@ private:
 
     void take_piece(const L& enter, const L& leave, const Mask<Real>& mask);
 
+    void add_lit(const L& enter, const L& leave, const Mask<Real>& mask) {
+        if (by_moments_)
+            add_moments(enter, leave, mask);
+        else
+            add_piece(enter, leave, mask);
+    }
+
     /// Where an object may stand among a beam's rays.
     void add_shadowed(const L& enter, const L& leave, const Mask<Real>& mask);
+
+    /// The same, tested by rays: among all kinds of objects.
+    void add_traced(const L& enter, const L& leave, const Mask<Real>& mask);
+
+    /// How deep objects stand in the light of a place of the piece; < 0: it is lit.
+    L shadow_depth(const L& t, const typename Ways::Blockers& blockers, const PointLanes<Real>& to_light,
+                   bool sun) const;
 
     void settle_pairs();
 

@@ -10,6 +10,7 @@ void ScatterCounts::add(const ScatterCounts& other) {
     intervals += other.intervals;
     peaks += other.peaks;
     cut += other.cut;
+    shadow_tests += other.shadow_tests;
     shadow_rays += other.shadow_rays;
     foci += other.foci;
     dropped += other.dropped;
@@ -21,6 +22,7 @@ void ScatterCounts::report(FrameStats& stats) const {
     stats.count("intervals in beams", static_cast<double>(intervals));
     stats.count("intervals that peak", static_cast<double>(peaks));
     stats.count("intervals cut", static_cast<double>(cut));
+    stats.count("volume shadow tests", static_cast<double>(shadow_tests));
     stats.count("volume shadow rays", static_cast<double>(shadow_rays));
     if (foci > 0) stats.count("intervals through foci", static_cast<double>(foci));
     if (dropped > 0) stats.count("intervals not finite", static_cast<double>(dropped));
@@ -31,7 +33,8 @@ ScatterSheet<Real>::ScatterSheet(const SheetCoverage<Real>& sheet)
     : coverage_(sheet),
       ways_(sheet),
       bounds_(sheet.sheet(), sheet.pyramid(), sheet.triangles(), ways_.last_depths()),
-      clusters_(beam_clusters(sheet, ways_)) {}
+      clusters_(beam_clusters(sheet, ways_)),
+      shapes_(sheet.scene(), sheet.sheet()) {}
 
 template <class Real>
 LightDirection<Real> ScatterSheet<Real>::direction(glm::dvec2 disc) const {

@@ -16,14 +16,15 @@ namespace dapple::methods::sliced_beams {
 
 /// What finding scattered light cost.
 struct ScatterCounts {
-    std::size_t clusters = 0;   ///< times segments, of those that may hold them
-    std::size_t beams = 0;      ///< times segments, tested
-    std::size_t intervals = 0;  ///< of a segment within a beam
-    std::size_t peaks = 0;      ///< of them: where the beam narrows so much that exact moments are needed
-    std::size_t cut = 0;        ///< of them: by the water's surface or where an object stops the beam
-    std::size_t shadow_rays = 0;
-    std::size_t foci = 0;     ///< of them: whose area is lost in rounding within, by mere point values
-    std::size_t dropped = 0;  ///< channels of them that are not finite: left out
+    std::size_t clusters = 0;      ///< times segments, of those that may hold them
+    std::size_t beams = 0;         ///< times segments, tested
+    std::size_t intervals = 0;     ///< of a segment within a beam
+    std::size_t peaks = 0;         ///< of them: where the beam narrows so much that exact moments are needed
+    std::size_t cut = 0;           ///< of them: by the water's surface or where an object stops the beam
+    std::size_t shadow_tests = 0;  ///< of a place's way to the light, against planes, boxes and spheres
+    std::size_t shadow_rays = 0;   ///< of those that meshes may stand in, too
+    std::size_t foci = 0;          ///< of them: whose area is lost in rounding within, by mere point values
+    std::size_t dropped = 0;       ///< channels of them that are not finite: left out
 
     void add(const ScatterCounts& other);
     void report(FrameStats& stats) const;
@@ -108,6 +109,7 @@ private:
     BeamWays<Real> ways_;
     ScatterBounds<Real> bounds_;
     std::vector<BeamCluster<Real>> clusters_;
+    ShadowShapes<Real> shapes_;
 };
 
 extern template class ScatterSheet<float>;

@@ -58,12 +58,12 @@ void VolumeLight::add(const view::SegmentLayer& layer, std::span<glm::vec3> radi
                       ScatterCounts& counts) const {
     const std::vector<Direction> side[2] = {directions(layer, false), directions(layer, true)};
     const LayerSegments segments(layer);
-    constexpr std::size_t kPart = 32;
-    std::vector<ScatterCounts> parts(segments.blocks() / kPart + 1);
-    parallel_for(segments.blocks(), kPart, [&](std::size_t begin, std::size_t end) {
+    constexpr std::size_t kPart = 2;
+    std::vector<ScatterCounts> parts(segments.patches() / kPart + 1);
+    parallel_for(segments.patches(), kPart, [&](std::size_t begin, std::size_t end) {
         ScatterCounts& part = parts[begin / kPart];
-        for (std::size_t block = begin; block < end; ++block) {
-            for (const LayerGroup& group : segments.groups(block)) {
+        for (std::size_t patch = begin; patch < end; ++patch) {
+            for (const LayerGroup& group : segments.groups(patch)) {
                 if (!media_.scatters(group.in_water)) continue;
                 const bool bounded = media_.bounded(group.in_water);
                 UnevenGroup<float> uneven;
