@@ -17,13 +17,16 @@ constexpr double kFadedDepth = 12;
 
 /// m: what the tracer's floats can tell two surfaces apart by, with room.
 double margin(const glm::dvec3& p) {
-    return 0x1p-19 * (1 + std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}));
+    return 0x1p-21 * (1 + std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}));
 }
 
 /// Never 0, which stands for no path.
 std::uint64_t hash64(std::uint64_t a, std::uint64_t b) {
     return static_cast<std::uint64_t>(hash_bits(a, b, 0, 0)) << 32 | hash_bits(a, b, 0, 1) | 1;
 }
+
+/// Margins within which a ray that leaves a surface may meet that again, from the side where it is not.
+constexpr double kGrazingMargins = 64;
 
 double mean(const glm::dvec3& v) {
     return (v.x + v.y + v.z) / 3;
@@ -205,6 +208,33 @@ void PathTracer::meet(std::span<const Way> ways, std::vector<Meeting>& meetings)
             meeting.point = geometry_.object_point(meeting.hit, way.origin, way.direction);
         }
     }
+    leave_start(ways, meetings);
+}
+
+/// Looks again for those that met but the surface that they leave, from the other side: what floats round at
+/// grazing angles.
+void PathTracer::leave_start(std::span<const Way> ways, std::vector<Meeting>& meetings) const {
+    std::vector<Way> again;
+    std::vector<std::size_t> which;
+    for (std::size_t i = 0; i < ways.size(); ++i) {
+        const Way& way = ways[i];
+        const Meeting& meeting = meetings[i];
+        if (way.near == 0 || meeting.kind == Meeting::Kind::nothing) continue;
+        if (meeting.point.distance > kGrazingMargins * margin(way.origin)) continue;
+        const bool inwards = glm::dot(way.direction, meeting.point.geometric_normal) < 0;
+        const bool wrong = meeting.kind == Meeting::Kind::water
+                               ? inwards == way.in_water
+                               : inwards == (static_cast<int>(meeting.hit.object) == way.inside) &&
+                                     scene_.state.objects[meeting.hit.object].material.glass;
+        if (!wrong) continue;
+        again.push_back(way);
+        again.back().near = std::max(way.near, meeting.point.distance) + margin(way.origin);
+        which.push_back(i);
+    }
+    if (again.empty()) return;
+    std::vector<Meeting> found;
+    meet(again, found);
+    for (std::size_t i = 0; i < which.size(); ++i) meetings[which[i]] = found[i];
 }
 
 void PathTracer::start(std::size_t vertex, const Way& way, const Meeting& meeting, VertexPaths& record,

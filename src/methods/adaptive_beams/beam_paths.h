@@ -104,6 +104,7 @@ private:
     struct Meeting;
     void trace_tile(std::span<const glm::dvec2> uv, std::span<VertexPaths> vertices, bool follow) const;
     void meet(std::span<const Way> ways, std::vector<Meeting>& meetings) const;
+    void leave_start(std::span<const Way> ways, std::vector<Meeting>& meetings) const;
     void start(std::size_t vertex, const Way& way, const Meeting& meeting, VertexPaths& record,
                std::vector<Way>* next) const;
     void go_on(const Way& way, const Meeting& meeting, VertexPaths& record, std::vector<Way>& next) const;

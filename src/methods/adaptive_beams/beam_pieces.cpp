@@ -44,10 +44,12 @@ public:
             if (!on_body(corners[0]) && !on_body(corners[1]) && !on_body(corners[2])) continue;
             pieces.push_back({corners, extent(corners)});
         }
-        // Rays that meet the body at all.
+        // Rays that meet the body at all. What the others would carry is nobody's to say, so that nothing is
+        // made to add up here.
         pieces = cut(
             pieces, [&](std::uint32_t ray) { return on_body(ray) ? 1u : 0u; },
-            [&](const Piece& piece) { return mean_of(piece, Arriving{}); });
+            [&](const Piece& piece) { return mean_of(piece, Arriving{}); }, false);
+        harvest_.incident = harvest_.losses[static_cast<std::size_t>(Cause::silhouette)];
         std::erase_if(pieces, [&](const Piece& piece) { return !on_body(piece.rays[0]); });
         for (const Piece& piece : pieces)
             harvest_.incident += piece.extent * piece.scale * mean_of(piece, Arriving{}) * view_.color();
@@ -102,7 +104,7 @@ private:
     std::vector<Piece> take_leg(std::vector<Piece> pieces, std::size_t leg) {
         pieces = cut(
             pieces, [&](std::uint32_t ray) { return kind_of(ray, leg); },
-            [&](const Piece& piece) { return mean_of(piece, Arriving{leg}); });
+            [&](const Piece& piece) { return mean_of(piece, Arriving{leg}); }, true);
         std::vector<Piece> kept;
         for (const Piece& piece : pieces) {
             for (const std::uint32_t ray : piece.rays)
@@ -158,8 +160,9 @@ private:
     using Kind = std::function<std::uint64_t(std::uint32_t)>;
     using Weight = std::function<glm::dvec3(const Piece&)>;
 
-    /// Pieces whose rays have one kind each; `weight` is what a piece carries a unit of extent.
-    std::vector<Piece> cut(std::vector<Piece> pieces, const Kind& kind, const Weight& weight) {
+    /// Pieces whose rays have one kind each; `weight` is what a piece carries a unit of extent. `conserve`:
+    /// pieces carry together what they were cut from did.
+    std::vector<Piece> cut(std::vector<Piece> pieces, const Kind& kind, const Weight& weight, bool conserve) {
         std::vector<Piece> result;
         changes_.clear();
         for (int round = 0; !pieces.empty(); ++round) {
@@ -176,13 +179,14 @@ private:
                 break;
             }
             find_changes(mixed, kind);
-            for (const Piece& piece : mixed) cut_piece(piece, kind, weight, pieces);
+            for (const Piece& piece : mixed) cut_piece(piece, kind, weight, conserve, pieces);
         }
         return result;
     }
 
     /// The corners of a mixed piece, and what lies between where something of a third kind does.
-    void cut_piece(const Piece& piece, const Kind& kind, const Weight& weight, std::vector<Piece>& result) {
+    void cut_piece(const Piece& piece, const Kind& kind, const Weight& weight, bool conserve,
+                   std::vector<Piece>& result) {
         const Corners& c = piece.rays;
         const std::size_t first = result.size();
         double rest = piece.extent;
@@ -221,13 +225,16 @@ private:
             }
             for (std::size_t i = 1; i < 5; ++i) add(rim[0], rim[i], rim[i + 1], kSliver);
         }
-        // Means over pieces are a finer quadrature than that over the whole: they are made to add up.
         const glm::dvec3 whole = weight(piece);
-        glm::dvec3 sum = rest * whole;
-        for (std::size_t i = first; i < result.size(); ++i) sum += result[i].extent * weight(result[i]);
-        glm::dvec3 factor = piece.extent * whole;
-        for (int i = 0; i < 3; ++i) factor[i] = sum[i] > 0 ? factor[i] / sum[i] : 1;
-        for (std::size_t i = first; i < result.size(); ++i) result[i].scale *= factor;
+        glm::dvec3 factor(1);
+        if (conserve) {
+            // Means over pieces are a finer quadrature than that over the whole: they are made to add up.
+            glm::dvec3 sum = rest * whole;
+            for (std::size_t i = first; i < result.size(); ++i) sum += result[i].extent * weight(result[i]);
+            for (int i = 0; i < 3; ++i)
+                if (sum[i] > 0) factor[i] = piece.extent * whole[i] / sum[i];
+            for (std::size_t i = first; i < result.size(); ++i) result[i].scale *= factor;
+        }
         lose(Cause::silhouette, rest * piece.scale * factor * whole);
     }
 
