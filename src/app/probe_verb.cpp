@@ -94,11 +94,15 @@ void print_paths(const scene::FrameState& state, const std::string& chain,
     }
 }
 
+const char* surroundings(const ProbedReceiver& receiver) {
+    return receiver.in_glass ? "glass" : receiver.in_water ? "water" : "air";
+}
+
 void print_receiver(const scene::FrameState& state, const ProbedReceiver& receiver) {
     std::printf("receiver: %s at %s m, normal %s, in the %s, seen %s, %s m from the camera\n",
                 receiver.object.c_str(), vector_text(receiver.position).c_str(),
-                vector_text(receiver.normal).c_str(), receiver.in_water ? "water" : "air",
-                receiver.behind_specular ? "through or by water or mirrors" : "directly",
+                vector_text(receiver.normal).c_str(), surroundings(receiver),
+                receiver.behind_specular ? "through or by water, glass or mirrors" : "directly",
                 number(receiver.distance).c_str());
     for (const auto& [chain, paths] : by_chain(receiver.paths)) print_paths(state, chain, paths);
     std::printf("sum: E %s W/m^2 at the point (a pixel's E is a mean), %s, sum of signs %s%s\n",
@@ -182,17 +186,12 @@ Json to_json(const scene::FrameState& state, const ProbedReceiver& receiver) {
         else
             oracle.push_back({{"chain", chain.chain}, {"unavailable", chain.unavailable}});
     }
-    return {{"object", receiver.object},
-            {"position", to_json(receiver.position)},
-            {"normal", to_json(receiver.normal)},
-            {"in_water", receiver.in_water},
-            {"behind_specular", receiver.behind_specular},
-            {"distance", receiver.distance},
-            {"irradiance", to_json(receiver.irradiance)},
-            {"count", receiver.paths.count},
-            {"sign_sum", receiver.paths.sign_sum},
-            {"fold", receiver.paths.fold},
-            {"paths", std::move(paths)},
+    return {{"object", receiver.object},          {"position", to_json(receiver.position)},
+            {"normal", to_json(receiver.normal)}, {"in_water", receiver.in_water},
+            {"in_glass", receiver.in_glass},      {"behind_specular", receiver.behind_specular},
+            {"distance", receiver.distance},      {"irradiance", to_json(receiver.irradiance)},
+            {"count", receiver.paths.count},      {"sign_sum", receiver.paths.sign_sum},
+            {"fold", receiver.paths.fold},        {"paths", std::move(paths)},
             {"oracle", std::move(oracle)}};
 }
 
@@ -254,7 +253,7 @@ void add_probe_verb(CLI::App& app, Run& run) {
         "point if nothing blocks it, det J (signed area of its landed beam over that of its facet), the way\n"
         "from the water to the point. A sun counts by the middle of its disc, dispersed light by its green.\n"
         "The paths are those of the water mesh; where the water is a list of waves, the oracle proves their\n"
-        "number on the waves themselves.");
+        "number on the waves themselves. Light that met glass is not listed.");
     verb->callback([arguments, frame, &run] {
         run = [arguments, given = frame->count() > 0] { return probe(*arguments, given); };
     });

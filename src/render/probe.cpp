@@ -55,6 +55,7 @@ ProbedReceiver receiver_of(const scene::FrameScene& scene, const rays::RayScene&
     receiver.position = glm::dvec3(layer.position[0]) + scene.origin;
     receiver.normal = glm::dvec3(layer.geometric_normal[0]);
     receiver.in_water = (layer.flags[0] & view::kInWater) != 0;
+    receiver.in_glass = (layer.flags[0] & view::kInGlass) != 0;
     receiver.behind_specular = (layer.flags[0] & view::kBehindSpecular) != 0;
     receiver.distance = glm::length(receiver.position - state.camera.position);
 

@@ -26,7 +26,8 @@ struct ProbedReceiver {
     glm::dvec3 position{0, 0, 0};  ///< m, world
     glm::dvec3 normal{0, 1, 0};    ///< unit, geometric, towards the side that is seen
     bool in_water = false;
-    bool behind_specular = false;  ///< seen through or by water or mirrors
+    bool in_glass = false;         ///< in a body of glass, whose light is not listed
+    bool behind_specular = false;  ///< seen through or by water, glass or mirrors
     double distance = 0;           ///< m, from the camera's place on a straight line
     methods::sliced_beams::PointPaths paths;
     /// Sum over the paths that nothing blocks, W/m^2 a channel. At the point: a pixel's E is a mean.
@@ -46,8 +47,8 @@ struct ProbedView {
 std::string object_name(const scene::FrameState& state, std::uint32_t object);
 
 /// Follows the camera paths of a point of the picture (pixel coordinates: the first pixel's centre is at 0.5)
-/// and lists the light paths to their ends, on the water mesh. One view, and a second, of the reflected path,
-/// where the first Fresnel split has two. Casts no light and needs no device. Errors:
+/// and lists the light paths to their ends, on the water mesh; none that met glass. One view, and a second,
+/// of the reflected path, where the first Fresnel split has two. Casts no light and needs no device. Errors:
 /// Error(input_unreadable).
 std::vector<ProbedView> probe(const scene::FrameState& state, glm::dvec2 place);
 
