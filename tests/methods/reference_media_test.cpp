@@ -300,6 +300,27 @@ TEST(ReferenceMedia, DenseGridsTakeFewSteps) {
     EXPECT_EQ(random.dimension, 0U);
 }
 
+TEST(ReferenceMedia, StatesThatItMayHaveMissedLight) {
+    // Smoke so dense that only its skin is lit, even at its corners far less than a nanometre deep, in which
+    // no event falls: S is 0, and nobody knows how large it is. Of dark smoke it is 0 indeed.
+    Cloud cloud([](int, int, int) { return 1; });
+    cloud.medium.transform.position = {0, -0.7, 0};
+    cloud.medium.density = 1e30;
+    scene::FrameState state = water_with_eye({0, -0.5, 2}, {0, -0.1, -1}, 4, 3);
+    state.water->scattering = {0, 0, 0};
+    state.media = {cloud.medium};
+    state.caustics.reference = {0.05, 1};
+    for (const bool lit : {true, false}) {
+        if (!lit) state.objects.push_back(level_plane("plate", 0.5, 40));
+        VolumeFrame frame(state);
+        frame.scene.medium_grids = {cloud.grid};
+        for (const glm::vec3& dark : frame.scatter().irradiance) EXPECT_LT(dark.y, 1e-30f);
+        EXPECT_NEAR(frame.stats.counted("reference volume standard error"), lit ? 1 : 0, 0.1);
+        // Rays are added as long as they may help.
+        EXPECT_EQ(frame.stats.counted("reference volume passes"), lit ? 32 : 16);
+    }
+}
+
 TEST(ReferenceMedia, LightsShareNoRandomNumbers) {
     scene::FrameState state = water_with_eye({0, -1, 0}, {0, 0, -1}, 8, 6);
     state.objects.clear();

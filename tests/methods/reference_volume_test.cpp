@@ -160,6 +160,25 @@ TEST(ReferenceVolume, OrthographicCamera) {
     expect_scatter(VolumeFrame(state).scatter(), std::vector<double>(108, exact), 0.03, 1);
 }
 
+/// Over all pixels, by limits that do not depend on the seed. Over 24 seeds of the scene below 2.4 +- 2.3 of
+/// the 108 pixels were beyond the 1 % points of t (2.947; up to 8, since their errors go together and their
+/// tails are long), and the mean over the picture was off by -0.3 +- 0.5 %: the limits are 6 such deviations
+/// away. By Cantelli's inequality, whatever the distributions, each fails for less than 1 in 37 new seeds
+/// where all is right; for normal ones for 1 in 10^9. An S that is off by 6 % fails.
+void expect_most_pixels(const LayerResult& result, const std::vector<double>& expected, int channel) {
+    const Agreement a = agreement(result, expected, channel);
+    std::size_t beyond = 0;
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+        const double error = static_cast<double>(result.irradiance[i][channel]) - expected[i];
+        const auto variance = static_cast<double>(result.data[static_cast<std::size_t>(channel)].values[i]);
+        beyond += std::abs(error) > 2.947 * std::sqrt(variance) ? 1 : 0;
+    }
+    printf("%zu of %zu pixels beyond the 1 %% points\n", beyond, expected.size());
+    EXPECT_LE(beyond, expected.size() * 16 / 108);
+    EXPECT_LT(std::abs(a.relative_mean), 0.033);
+    EXPECT_GT(a.mean_square, kMeanSquareT / 3);  // nor are errors stated too large
+}
+
 TEST(ReferenceVolume, PointLightOverFlatWater) {
     scene::FrameState state = water_with_eye({0.1, -0.8, 1}, {0.1, -0.3, -1}, 12, 9);
     scene::Light lamp;
@@ -184,7 +203,7 @@ TEST(ReferenceVolume, PointLightOverFlatWater) {
                    std::exp(-s * sigma.y);
         });
     };
-    expect_scatter(VolumeFrame(state).scatter(), over_pixels(state, exact), 0.03, 1);
+    expect_most_pixels(VolumeFrame(state).scatter(), over_pixels(state, exact), 1);
 }
 
 TEST(ReferenceVolume, NoLightInTheUmbra) {

@@ -200,11 +200,11 @@ bool CameraBeams::find(const CameraBeam& beam, const glm::dvec3& position, Place
     return std::abs(place.u) < half.x && std::abs(place.v) < half.y && place.s > 0 && place.s < reach(beam);
 }
 
-void CameraBeams::add_events(const LightWay& way, MediaProbe& light_probe, MediaProbe& eye_probe,
+bool CameraBeams::add_events(const LightWay& way, MediaProbe& light_probe, MediaProbe& eye_probe,
                              RandomStream& random, std::vector<ScatteringEvent>& events) const {
     const OwnMedia& media = light_probe.media();
     const auto stretch = media.scattering_stretch(way.position, way.direction, way.length, way.in_water);
-    if (!stretch) return;
+    if (!stretch) return false;
     double begin = stretch->begin, end = stretch->end;
     for (int axis = 0; axis < 3; ++axis) {
         if (way.direction[axis] == 0) continue;
@@ -213,11 +213,12 @@ void CameraBeams::add_events(const LightWay& way, MediaProbe& light_probe, Media
         begin = std::max(begin, std::min(a, b));
         end = std::min(end, std::max(a, b));
     }
-    if (!(begin < end)) return;
+    if (!(begin < end)) return false;
     const double count = std::ceil((end - begin) / spacing_);
     const double step = (end - begin) / count;
     const bool bounded = media.any_bounded(way.in_water);
     if (bounded) light_probe.start(way.position, way.direction, way.in_water);
+    bool extinguished = false;
     for (double i = 0; i < count; ++i) {
         const double along = begin + step * (i + random.next());
         const glm::dvec3 position = way.position + along * way.direction;
@@ -244,7 +245,7 @@ void CameraBeams::add_events(const LightWay& way, MediaProbe& light_probe, Media
             glm::dvec3 transmittance;
             if (bounded) {
                 transmittance = light_probe.transmittance_to(along, random);
-                if (transmittance == glm::dvec3(0)) return;  // nor farther on
+                if (transmittance == glm::dvec3(0)) return true;  // nor farther on
                 transmittance *= eye_probe.transmittance(position, view, distance, way.in_water, random);
             } else {
                 transmittance = way.in_water ? media.through_water(along + distance) : glm::dvec3(1);
@@ -253,9 +254,13 @@ void CameraBeams::add_events(const LightWay& way, MediaProbe& light_probe, Media
                              scattering * transmittance * glm::dvec3(beam.factor);
             event.segment = beam.segment;
             event.in_water = way.in_water;
-            if (event.radiance != glm::dvec3(0)) events.push_back(event);
+            if (event.radiance != glm::dvec3(0))
+                events.push_back(event);
+            else if (transmittance == glm::dvec3(0))
+                extinguished = true;
         }
     }
+    return extinguished;
 }
 
 }  // namespace dapple::reference

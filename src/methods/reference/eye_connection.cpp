@@ -64,19 +64,20 @@ bool EyeConnection::clip(const LightWay& way, const Stretch& stretch, Clip& resu
     return true;
 }
 
-void EyeConnection::add_events(const LightWay& way, MediaProbe& light_probe, MediaProbe& eye_probe,
+bool EyeConnection::add_events(const LightWay& way, MediaProbe& light_probe, MediaProbe& eye_probe,
                                RandomStream& random, std::vector<ScatteringEvent>& events) const {
-    if (way.in_water != in_water_) return;
+    if (way.in_water != in_water_) return false;
     const OwnMedia& media = light_probe.media();
     const auto stretch = media.scattering_stretch(way.position, way.direction, way.length, in_water_);
     Clip line{};
-    if (!stretch || !clip(way, *stretch, line)) return;
+    if (!stretch || !clip(way, *stretch, line)) return false;
     const double past = length(cross(eye_ - way.position, way.direction));
     const double wanted = line.pixels / kSpacing * typical_distance_ / past;
     const double count = std::isfinite(wanted) ? std::clamp(std::ceil(wanted), 1.0, kMostEvents) : 1;
     const bool bounded = media.any_bounded(in_water_);
     if (bounded) light_probe.start(way.position, way.direction, in_water_);
     const auto width = static_cast<std::size_t>(scene_.state.clip.width);
+    bool extinguished = false;
     for (double i = 0; i < count; ++i) {
         // Evenly in the picture; perspective gives the place on the way.
         const double place = (i + random.next()) / count;
@@ -104,7 +105,7 @@ void EyeConnection::add_events(const LightWay& way, MediaProbe& light_probe, Med
         glm::dvec3 transmittance;
         if (bounded) {
             transmittance = light_probe.transmittance_to(along, random);
-            if (transmittance == glm::dvec3(0)) break;  // nor farther on
+            if (transmittance == glm::dvec3(0)) return true;  // nor farther on
             transmittance *= eye_probe.transmittance(event.position, view, distance, in_water_, random);
         } else {
             transmittance = media.through_water(along + distance);
@@ -117,8 +118,12 @@ void EyeConnection::add_events(const LightWay& way, MediaProbe& light_probe, Med
         event.segment = target.segment;
         event.in_water = in_water_;
         event.may_cross_water = true;
-        if (event.radiance != glm::dvec3(0)) events.push_back(event);
+        if (event.radiance != glm::dvec3(0))
+            events.push_back(event);
+        else if (transmittance == glm::dvec3(0))
+            extinguished = true;
     }
+    return extinguished;
 }
 
 }  // namespace dapple::reference

@@ -31,7 +31,9 @@ public:
 
     bool any() const { return any_; }
     void find_any();
-    void add_events(const LightWay& way, MediaProbe& light_probe, MediaProbe& eye_probe, RandomStream& random,
+    /// Adds what a way of light scatters into the picture. True where places were found at which a medium had
+    /// dimmed the light to 0, so that shallower ones may have been missed.
+    bool add_events(const LightWay& way, MediaProbe& light_probe, MediaProbe& eye_probe, RandomStream& random,
                     std::vector<ScatteringEvent>& events) const;
 
 private:

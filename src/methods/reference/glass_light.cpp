@@ -11,7 +11,6 @@
 namespace dapple::reference {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// A lamp's view of a body is a rectangle where the body is farther away than this many of its radii.
 constexpr double kNearest = 1.2;
 
@@ -126,7 +125,7 @@ std::vector<GlassIncoming> GlassLight::shine(const LightPass& pass, std::size_t 
         lit.point = bodies_.point(hits[i], aimed[i].origin, aimed[i].direction, lit.inside);
         lit.power = aimed[i].power;
         lit.in_water = lamp_in_water_;
-        lit.distance = sun_ ? kInfinity : lit.point.distance;
+        lit.distance = sun_ ? std::numeric_limits<double>::infinity() : lit.point.distance;
         lit.random = samples_.ray(pass, stratum_of[i]);
         lit.stratum = static_cast<std::uint32_t>(stratum_of[i]);
         incoming.push_back(lit);

@@ -42,7 +42,7 @@ std::optional<PassResult> run_pass(const LightTracer& tracer, const LightPass& p
         irradiance[l].assign(layers[l]->paths.size(), glm::dvec3(0));
     PassResult result;
     std::vector<Deposits> tiles(kTilesAtOnce * layers.size());
-    std::vector<PassResult> found(kTilesAtOnce);
+    std::vector<EnergyAccount> found(kTilesAtOnce);
     for (std::size_t source = 0; source < tracer.sources(); ++source) {
         const std::size_t strata = tracer.strata(pass, source);
         result.rays += strata;
@@ -51,16 +51,13 @@ std::optional<PassResult> run_pass(const LightTracer& tracer, const LightPass& p
             const std::size_t count = std::min(strata - first, kTile * kTilesAtOnce);
             parallel_for(count, kTile, [&](std::size_t begin, std::size_t end) {
                 const Harvest harvest = tracer.trace(pass, source, first + begin, first + end);
-                found[begin / kTile] = {harvest.account, harvest.extinguished};
+                found[begin / kTile] = harvest.account;
                 for (std::size_t l = 0; l < layers.size(); ++l) {
                     Deposits& deposits = tiles[begin / kTile * layers.size() + l];
                     for (const Arrival& arrival : harvest.arrivals) deposit(*layers[l], arrival, deposits);
                 }
             });
-            for (std::size_t tile = 0; tile * kTile < count; ++tile) {
-                result.account.add(found[tile].account);
-                result.extinguished |= found[tile].extinguished;
-            }
+            for (std::size_t tile = 0; tile * kTile < count; ++tile) result.account.add(found[tile]);
             parallel_for(kRanges * layers.size(), 1, [&](std::size_t begin, std::size_t end) {
                 for (std::size_t i = begin; i < end; ++i) {
                     const std::size_t l = i / kRanges;

@@ -13,7 +13,6 @@ namespace dapple::reference {
 /// What a pass found beside irradiance, and the rays of all sources.
 struct PassResult {
     EnergyAccount account;
-    bool extinguished = false;  ///< MediaProbe::extinguished of some
     std::size_t rays = 0;
 };
 

@@ -347,7 +347,6 @@ Harvest LightTracer::trace(const LightPass& pass, std::size_t source, std::size_
         }
     }
     follow(std::move(work.next), work);
-    work.harvest.extinguished = work.probe.extinguished();
     return std::move(work.harvest);
 }
 

@@ -50,7 +50,6 @@ struct Harvest {
     std::vector<Arrival> arrivals;
     std::vector<LightWay> ways;  ///< only where they are asked for
     EnergyAccount account;
-    bool extinguished = false;  ///< MediaProbe::extinguished
 };
 
 /// Follows light from the lights through one event at the water or at a body of glass, and any chain of

@@ -16,8 +16,16 @@ constexpr double kMostBlocks = 0x1p24;
 constexpr float kRoundUp = 1 + 0x1p-20f;
 /// Steps of ratio tracking that a block may be expected to take; where it is denser its cells are integrated.
 constexpr double kMostSteps = 32;
-/// Optical depth beyond which nothing of the water is looked at.
+/// Optical depth beyond which nothing of a homogeneous medium is looked at.
 constexpr double kDarkness = 60;
+
+/// The way to there, m, for the channels that scatter; 0: none does.
+double farthest_lit(const glm::dvec3& extinction, const glm::dvec3& scattering) {
+    double farthest = 0;
+    for (int channel = 0; channel < 3; ++channel)
+        if (scattering[channel] > 0) farthest = std::max(farthest, kDarkness / extinction[channel]);
+    return farthest;
+}
 
 int floor_divide(int a, int b) {
     return a >= 0 ? a / b : -((b - 1 - a) / b);
@@ -162,17 +170,15 @@ std::optional<Stretch> OwnMedia::scattering_stretch(const glm::dvec3& origin, co
                                                     double length, bool in_water) const {
     Stretch hull{kInfinity, 0};
     if (in_water) {
-        double farthest = 0;
-        for (int channel = 0; channel < 3; ++channel)
-            if (water_scattering_[channel] > 0)
-                farthest = std::max(farthest, kDarkness / water_extinction_[channel]);
+        const double farthest = farthest_lit(water_extinction_, water_scattering_);
         if (farthest > 0) hull = {0, std::min(length, farthest)};
     }
     for (const Bounded& medium : bounded_) {
         if (!medium.on(in_water) || !any(medium.scattering)) continue;
         if (const auto stretch = medium.inside(origin, direction, length)) {
+            const double lit = medium.grid ? kInfinity : farthest_lit(medium.extinction, medium.scattering);
             hull.begin = std::min(hull.begin, stretch->begin);
-            hull.end = std::max(hull.end, stretch->end);
+            hull.end = std::max(hull.end, std::min(stretch->end, stretch->begin + lit));
         }
     }
     if (!(hull.begin < hull.end)) return {};
@@ -285,7 +291,6 @@ void MediaProbe::Walk::track(double leave, double majorant, RandomStream& random
         at -= std::log1p(-random.next()) / majorant;
         if (at >= leave) return;
         weight *= glm::max(glm::dvec3(0), 1.0 - density() / majorant * medium->extinction);
-        lost = lost || !any(weight);
     }
 }
 
@@ -325,7 +330,6 @@ glm::dvec3 MediaProbe::transmittance_to(double distance, RandomStream& random) {
     for (Walk& walk : walks_) {
         if (!any(result)) break;  // nor will there be light farther on
         walk.advance(distance, random);
-        extinguished_ = extinguished_ || walk.lost;
         result *= walk.weight;
     }
     return result;

@@ -56,8 +56,8 @@ public:
     const OwnPhase& water_phase() const { return *water_phase_; }
     /// Of the homogeneous water alone; `distance` may be infinite.
     glm::dvec3 through_water(double distance) const;
-    /// Where light on a ray of `length` m (may be infinite) may be scattered; the water counts until less
-    /// than 1e-26 of the light is left.
+    /// Where light on a ray of `length` m (may be infinite) may be scattered; what is
+    /// homogeneous counts until less than 1e-26 of the light is left.
     std::optional<Stretch> scattering_stretch(const glm::dvec3& origin, const glm::dvec3& direction,
                                               double length, bool in_water) const;
 
@@ -85,9 +85,6 @@ public:
     void start(const glm::dvec3& origin, const glm::dvec3& direction, bool in_water);
     glm::dvec3 transmittance_to(double distance, RandomStream& random);
 
-    /// Whether some transmittance so far was 0 by the chance of ratio tracking alone.
-    bool extinguished() const { return extinguished_; }
-
 private:
     /// Ratio tracking (Novak, Selle & Jarosz 2014) through the blocks of a grid; through dense blocks, where
     /// it would take many steps, and where a ray may pass between what is dense with all its light, the
@@ -101,7 +98,6 @@ private:
         glm::dvec3 next{0};   ///< m at which the ray leaves the block, an axis
         glm::dvec3 width{0};  ///< m between the sides of a block
         glm::dvec3 weight{1};
-        bool lost = false;  ///< the weight is 0 by chance
         void advance(double to, RandomStream& random);
         void track(double leave, double majorant, RandomStream& random);
         void cross_cells(double leave);
@@ -118,7 +114,6 @@ private:
     const OwnMedia& media_;
     std::vector<std::unique_ptr<grids::DensityGrid::Reader>> readers_;  ///< a bounded medium; null: a box
     bool in_water_ = false;
-    bool extinguished_ = false;
     std::vector<Slab> slabs_;
     std::vector<Walk> walks_;
 };

@@ -144,7 +144,6 @@ void Reference::irradiance(FrameContext& context, std::span<const view::Receiver
         for (std::size_t i = 0; i < served.size(); ++i) {
             RoundEstimate& estimate = *estimates[served[i]];
             estimate.add_pass(irradiance[i]);
-            estimate.extinguished |= pass_result->extinguished;
             if (estimate.passes == reference::kPasses)
                 estimate.end_round(0, rays, reference::kIrradianceExponent,
                                    context.scene.state.caustics.reference);

@@ -22,8 +22,8 @@ namespace dapple::methods {
 ///
 /// Bodies of glass are spheres, whose crossings are exact, and the triangles of boxes and meshes, these with
 /// interpolated normals where the file gives normals. What lies about a body (water or air) is asked where a
-/// ray comes out. Light that ratio tracking never lets through a medium leaves E or S at 0; where that may be
-/// the reason for a picture of zeros, its relative error is stated as 1.
+/// ray comes out. S of a grid so dense that no event is found in its lit skin is 0, with a
+/// relative error of 1 in the stats, after as many rays as are allowed.
 ///
 /// With a checkpoint's file, what is done is kept there every 20 s, at the end of a call and when the user
 /// wants to end, and read again by the same job, whose results then have the same bits as those of an

@@ -23,7 +23,7 @@ struct RoundEstimate {
     std::uint64_t passes = 0;           ///< done in this round
     std::uint64_t rays = 0;             ///< a light, of all rounds
     bool done = false;                  ///< the last round is complete
-    bool extinguished = false;          ///< some light of this round was lost to chance in a medium
+    bool extinguished = false;          ///< of S: media dimmed light to 0 at places of this round
     std::vector<glm::dvec3> mean;       ///< of each value, over the passes
     std::vector<glm::dvec3> deviation;  ///< sum of squared deviations from it (Welford 1962)
 

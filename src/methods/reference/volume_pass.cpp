@@ -80,26 +80,27 @@ private:
 };
 
 /// Traces strata [begin, end) of one source and adds what they scatter to `sums`. `number` picks an event's
-/// place there. MediaProbe::extinguished of some.
+/// place there. Whether places were found where a medium had dimmed the light to 0.
 template <class Number>
 bool trace_events(const VolumeJob& job, const LightPass& pass, std::size_t source, std::size_t begin,
                   std::size_t end, std::vector<glm::dvec3>& sums, const Number& number) {
     const Harvest harvest = job.tracer.trace(pass, source, begin, end, true);
     EventSink sink(job.scene, job.rays, job.tracer, sums);
+    bool extinguished = false;
     MediaProbe along_light(job.tracer.media()), to_eye(job.tracer.media());
     const scene::FrameState& state = job.scene.state;
     for (const LightWay& way : harvest.ways) {
         RandomStream random{state.clip.seed, static_cast<std::uint64_t>(state.frame), way.random};
         const std::size_t first = sink.events.size();
         if (job.segments.eye->any())
-            job.segments.eye->add_events(way, along_light, to_eye, random, sink.events);
+            extinguished |= job.segments.eye->add_events(way, along_light, to_eye, random, sink.events);
         if (job.segments.beams.any())
-            job.segments.beams.add_events(way, along_light, to_eye, random, sink.events);
+            extinguished |= job.segments.beams.add_events(way, along_light, to_eye, random, sink.events);
         for (std::size_t i = first; i < sink.events.size(); ++i) number(way, sink.events[i]);
         if (sink.events.size() >= kBatch) sink.flush();
     }
     sink.flush();
-    return harvest.extinguished || along_light.extinguished() || to_eye.extinguished();
+    return extinguished;
 }
 
 }  // namespace

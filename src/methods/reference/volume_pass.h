@@ -31,7 +31,7 @@ std::vector<SourceWeights> source_weights(const VolumeJob& job);
 
 struct VolumePassResult {
     std::size_t rays = 0;       ///< of all sources
-    bool extinguished = false;  ///< MediaProbe::extinguished of some
+    bool extinguished = false;  ///< events were found where light was dimmed to 0
 };
 
 /// Traces all sources of one pass and gives S [W/m^2/sr] of each segment in `radiance`. Tiles of strata,
