@@ -22,9 +22,8 @@ void main() {
     flux_start_0 = vec4(beam.flux[0], beam.start.x);
     flux_start_1 = vec4(beam.flux[1], beam.start.y);
     flux_start_2 = vec4(beam.flux[2], beam.start.z);
-    ends = beam.end;
-    first = uvec3(beam.first[0], beam.first[1], beam.first[2]);
-    listed = uvec3(beam.listed[0], beam.listed[1], beam.listed[2]);
+    end_steepness = vec4(beam.end, beam.steepness);
+    listed = uvec2(beam.first, beam.last);
     vec3 corner = corners[gl_VertexIndex];
     vec2 picture = vec2(textureSize(pixels, 0));
     // Depth is the same everywhere, so that nothing is clipped but what lies behind the camera.

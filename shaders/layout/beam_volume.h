@@ -6,24 +6,26 @@
 LAYOUT_BEGIN
 
 // What a fragment knows of its beam; corners k in 0, 1, 2. Areas A are those that a corner's ring of
-// triangles has on the planes of constant depth: A(u) = area.x + area.y u + area.z u^2 [m^2] with
-// u = depth - middle, and on top of it |area| of the beams listed for the corner, whose sign changes.
+// triangles has on the planes of constant depth: |area.x + area.y u + area.z u^2| [m^2] with
+// u = depth - middle, and on top of it those of the triangles listed for the beam, whose sign changes.
 struct DrawnBeam {
-    vec4 ray[3];    // m and m a m of depth: a, b at depth 0, slopes
-    vec3 area[3];   // m^2, m, 1
-    vec3 flux[3];   // W a channel, of a corner's ring
-    vec3 start;     // m, depths at which the corners' rays begin
-    vec3 end;       // m, and end
-    float middle;   // m, depth
-    float bias;     // m of depth before the start and beyond the end that belong to the beam
-    float cell;     // m, along camera rays: places that edges are measured from are multiples of it
-    uint first[3];  // of the corner's listed beams
-    uint listed[3];
+    vec4 ray[3];      // m and m a m of depth: a, b at depth 0, slopes
+    vec3 area[3];     // m^2, m, 1
+    vec3 flux[3];     // W a channel, of a corner's ring
+    vec3 start;       // m, depths at which the corners' rays begin
+    vec3 end;         // m, and end
+    float middle;     // m, depth
+    float bias;       // m of depth before the start and beyond the end that belong to the beam
+    float cell;       // m, along camera rays: places that edges are measured from are multiples of it
+    float steepness;  // 1/m: how fast the logarithms of the areas change with depth, at most
+    uint first;       // of the beam's listed triangles
+    uint last;        // and the one after its last
 };
 
-// A beam of a ring whose area changes its sign: area.x + area.y u + area.z u^2 with u = depth - area.w, m^2.
+// A triangle of a ring whose area changes its sign on the beam's way.
 struct TurningArea {
-    vec4 area;
+    vec3 area;     // m^2, m, 1; as in the beam
+    uint corners;  // 1, 2, 4: it is of the rings of corners 0, 1, 2
 };
 
 // Camera rays of the pixels (x, y), in mesh space: origin + x origin_u + y origin_v, along
@@ -33,8 +35,7 @@ struct BeamPush {
     vec3 direction, direction_u, direction_v;  //
     vec3 extinction;                           // 1/m a channel
     vec3 scattering;                           // 1/m a channel
-    vec3 phase;                                // of the phase function, in the order of optics/phase.h
-    uint phase_type;                           // scene::PhaseType
+    vec3 phase;                                // of two_lobe_phase, in its order
     float in_water;                            // 1 or 0
     vec2 shift;                                // pixels, from the sample to the pixel's centre
 };

@@ -9,7 +9,10 @@
 #include "layout/beam_volume.h"
 #include "media/phase.h"
 #include "methods/adaptive_beams/drawn_beams.h"
-#include "spirv/adaptive_beams_beam_frag.h"
+#include "spirv/adaptive_beams_beam_lobes_frag.h"
+#include "spirv/adaptive_beams_beam_lobes_listed_frag.h"
+#include "spirv/adaptive_beams_beam_table_frag.h"
+#include "spirv/adaptive_beams_beam_table_listed_frag.h"
 #include "spirv/adaptive_beams_beam_vert.h"
 #include "view/camera.h"
 
@@ -18,13 +21,14 @@ namespace {
 
 using layout::BeamFrame;
 using layout::BeamPush;
-static_assert(sizeof(layout::DrawnBeam) == 180);
+static_assert(sizeof(layout::DrawnBeam) == 168);
 static_assert(sizeof(layout::TurningArea) == 16);
-static_assert(sizeof(BeamPush) == 124);
+static_assert(sizeof(BeamPush) == 120);
 static_assert(sizeof(BeamFrame) == 36);
 
 constexpr std::size_t kTile = 1 << 14;
 constexpr std::size_t kPhaseValues = 2048;
+constexpr std::size_t kIndicesABeam = 24;
 
 gpu::RasterDescription description() {
     return {.interface = {.storage_buffers = 5, .sampled_images = 2, .push_bytes = sizeof(BeamPush)},
@@ -49,22 +53,40 @@ bool is_primary(std::uint32_t flags) {
 /// What a set needs on the device.
 struct SetOnDevice {
     const BeamSet& set;
-    gpu::Buffer beams, corners, turning, indices, frame;
+    gpu::Buffer beams, corners, turning, plain, listed, frame;
 };
+
+bool is_lobes(scene::PhaseType type) {
+    return type == scene::PhaseType::isotropic || type == scene::PhaseType::henyey_greenstein ||
+           type == scene::PhaseType::two_lobe;
+}
+
+/// Mean cosines of two lobes and the first one's share; for other functions nothing of use.
+glm::vec3 lobes(const scene::PhaseFunction& phase) {
+    if (phase.type == scene::PhaseType::isotropic) return {0, 0, 1};
+    if (phase.type == scene::PhaseType::henyey_greenstein) return {phase.anisotropy, 0, 1};
+    return {phase.anisotropy, phase.back_anisotropy, phase.forward_share};
+}
 
 }  // namespace
 
 struct BeamRenderer::State {
     explicit State(gpu::Device& d)
         : device(d),
-          pipeline(d, "beams", adaptive_beams_beam_vert, adaptive_beams_beam_frag, description()) {}
+          pipelines{{{d, "beams", adaptive_beams_beam_vert, adaptive_beams_beam_lobes_frag, description()},
+                     {d, "beams with turning areas", adaptive_beams_beam_vert,
+                      adaptive_beams_beam_lobes_listed_frag, description()}},
+                    {{d, "beams, tabulated phase", adaptive_beams_beam_vert, adaptive_beams_beam_table_frag,
+                      description()},
+                     {d, "beams with turning areas, tabulated phase", adaptive_beams_beam_vert,
+                      adaptive_beams_beam_table_listed_frag, description()}}} {}
 
     BeamPush push(const BeamSet& set, glm::dvec2 offset) const;
     void write_pixels(const view::SegmentLayer* segments, const view::ReceiverLayer* receivers,
                       std::span<glm::vec4> pixels, std::span<glm::vec4> normals) const;
 
     gpu::Device& device;
-    gpu::RasterPipeline pipeline;
+    gpu::RasterPipeline pipelines[2][2];  ///< phase function tabulated, beams with listed triangles
     const scene::FrameScene* scene = nullptr;
     std::optional<view::Camera> camera;
     std::vector<SetOnDevice> sets;
@@ -81,22 +103,27 @@ void BeamRenderer::begin(const scene::FrameScene& scene, std::span<const BeamSet
     s.scene = &scene;
     s.camera.emplace(scene.state.camera, scene.state.clip.width, scene.state.clip.height);
     s.sets.clear();
-    std::size_t beams = 0, prisms = 0;
+    std::size_t beams = 0, prisms = 0, turning = 0;
     for (const BeamSet& set : sets) {
         if (set.triangles.empty()) continue;
         const DrawnBeams drawn = drawn_beams(set, *s.camera, scene.origin, volumes);
         beams += drawn.beams.size();
         prisms += drawn.prisms;
+        turning += drawn.beams.size() - drawn.plain;
+        const auto faces = drawn.indices.begin();
+        const auto split = faces + static_cast<std::ptrdiff_t>(kIndicesABeam * drawn.plain);
         const glm::mat3 axes(set.world_from_mesh);
         s.sets.push_back(
             {set, filled_buffer(s.device, "beams", drawn.beams),
              filled_buffer(s.device, "corners of beams", drawn.corners),
              filled_buffer(s.device, "turning areas", drawn.turning),
-             filled_buffer(s.device, "faces of beams", drawn.indices),
+             filled_buffer(s.device, "faces of beams", std::vector<std::uint32_t>(faces, split)),
+             filled_buffer(s.device, "faces of beams",
+                           std::vector<std::uint32_t>(split, drawn.indices.end())),
              filled_buffer(s.device, "axes of beams", std::vector<BeamFrame>{{axes[0], axes[1], axes[2]}})});
     }
     std::vector<float> table(1, 0.0f);
-    if (scene.state.water && scene.state.water->phase.type == scene::PhaseType::table) {
+    if (scene.state.water && !is_lobes(scene.state.water->phase.type)) {
         const media::Phase phase(scene.state.water->phase);
         table.resize(kPhaseValues);
         for (std::size_t i = 0; i < kPhaseValues; ++i) {
@@ -107,6 +134,7 @@ void BeamRenderer::begin(const scene::FrameScene& scene, std::span<const BeamSet
     s.phase_table.emplace(filled_buffer(s.device, "phase function", table));
     stats.count("beams drawn", static_cast<double>(beams));
     stats.count("beams in a prism", static_cast<double>(prisms));
+    stats.count("beams with turning areas", static_cast<double>(turning));
 }
 
 BeamPush BeamRenderer::State::push(const BeamSet& set, glm::dvec2 offset) const {
@@ -136,11 +164,7 @@ BeamPush BeamRenderer::State::push(const BeamSet& set, glm::dvec2 offset) const 
         const scene::Water& water = *scene->state.water;
         push.extinction = water.extinction();
         push.scattering = water.scattering;
-        push.phase_type = static_cast<layout::uint>(water.phase.type);
-        const scene::PhaseFunction& p = water.phase;
-        push.phase = p.type == scene::PhaseType::fournier_forand
-                         ? glm::vec3(p.particle_index, p.size_slope, 0)
-                         : glm::vec3(p.anisotropy, p.back_anisotropy, p.forward_share);
+        push.phase = lobes(water.phase);
     }
     return push;
 }
@@ -203,15 +227,21 @@ BeamSums BeamRenderer::render(const view::SegmentLayer* segments, const view::Re
     passes.copy("beam raster", first, pixels);
     passes.copy("beam raster", second, normals);
     gpu::Targets targets{.colors = {&scattered, &irradiance}};
+    const bool tabulated = s.scene->state.water && !is_lobes(s.scene->state.water->phase.type);
     for (const SetOnDevice& set : s.sets) {
-        gpu::Bindings bindings{
-            .buffers = {&set.beams, &set.corners, &set.turning, &*s.phase_table, &set.frame},
-            .images = {&pixels, &normals}};
-        bindings.set_push(s.push(set.set, offset));
-        passes.draw("beam raster", s.pipeline, std::move(bindings), targets,
-                    {.vertices = static_cast<std::uint32_t>(set.indices.bytes() / sizeof(std::uint32_t)),
-                     .index_buffer = &set.indices});
-        targets.clear = false;
+        for (const bool listed : {false, true}) {
+            const gpu::Buffer& indices = listed ? set.listed : set.plain;
+            if (indices.bytes() < kIndicesABeam * sizeof(std::uint32_t)) continue;
+            gpu::Bindings bindings{
+                .buffers = {&set.beams, &set.corners, &set.turning, &*s.phase_table, &set.frame},
+                .images = {&pixels, &normals}};
+            bindings.set_push(s.push(set.set, offset));
+            passes.draw("beam raster", s.pipelines[tabulated ? 1 : 0][listed ? 1 : 0], std::move(bindings),
+                        targets,
+                        {.vertices = static_cast<std::uint32_t>(indices.bytes() / sizeof(std::uint32_t)),
+                         .index_buffer = &indices});
+            targets.clear = false;
+        }
     }
     passes.copy("beam raster", scattered, first);
     passes.copy("beam raster", irradiance, second);

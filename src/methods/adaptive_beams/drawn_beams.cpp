@@ -54,7 +54,8 @@ public:
                 if (!add(i)) ++prisms[begin / kTile];
         });
         for (const std::size_t tile : prisms) beams_.prisms += tile;
-        beams_.turning = std::move(areas_.turning);
+        list_turning();
+        sort_indices();
         return std::move(beams_);
     }
 
@@ -65,6 +66,60 @@ private:
         for (const glm::dvec2& point : cap)
             farthest = std::max(farthest, std::abs((pixel_from_mesh_ * glm::dvec4(point, depth, 1)).w));
         return kMarginPixels * pixel_size_ * farthest;
+    }
+
+    /// Lists for each beam the triangles of its corners' rings that turn over.
+    void list_turning() {
+        const std::size_t count = set_.triangles.size();
+        std::vector<std::vector<layout::TurningArea>> lists(count / kTile + 1);
+        parallel_for(count, kTile, [&](std::size_t begin, std::size_t end) {
+            std::vector<layout::TurningArea>& list = lists[begin / kTile];
+            std::vector<std::pair<std::uint32_t, std::uint32_t>> found;  // triangle, corner
+            for (std::size_t i = begin; i < end; ++i) {
+                found.clear();
+                for (int k = 0; k < 3; ++k) {
+                    const std::uint32_t v = set_.triangles[i][k];
+                    for (std::uint32_t j = areas_.first[v]; j < areas_.first[v + 1]; ++j)
+                        found.emplace_back(areas_.turning[j], 1u << k);
+                }
+                std::sort(found.begin(), found.end());
+                layout::DrawnBeam& beam = beams_.beams[i];
+                beam.first = static_cast<std::uint32_t>(list.size());
+                for (std::size_t j = 0; j < found.size(); ++j) {
+                    if (j > 0 && found[j].first == found[j - 1].first) {
+                        list.back().corners |= found[j].second;
+                    } else {
+                        const AreaFunction area = area_function(set_, set_.triangles[found[j].first],
+                                                                static_cast<double>(beam.middle));
+                        list.push_back({area.q, found[j].second});
+                    }
+                }
+                beam.last = static_cast<std::uint32_t>(list.size());
+            }
+        });
+        for (std::size_t tile = 0; tile < lists.size(); ++tile) {
+            const auto before = static_cast<std::uint32_t>(beams_.turning.size());
+            for (std::size_t i = tile * kTile; i < std::min(count, (tile + 1) * kTile); ++i) {
+                beams_.beams[i].first += before;
+                beams_.beams[i].last += before;
+            }
+            beams_.turning.insert(beams_.turning.end(), lists[tile].begin(), lists[tile].end());
+        }
+    }
+
+    void sort_indices() {
+        constexpr std::size_t kBeamIndices = 3 * kFaces;
+        std::vector<std::uint32_t> sorted;
+        sorted.reserve(beams_.indices.size());
+        for (const bool listed : {false, true}) {
+            for (std::size_t i = 0; i < beams_.beams.size(); ++i) {
+                if ((beams_.beams[i].first != beams_.beams[i].last) != listed) continue;
+                const auto from = beams_.indices.begin() + static_cast<std::ptrdiff_t>(kBeamIndices * i);
+                sorted.insert(sorted.end(), from, from + kBeamIndices);
+            }
+            if (!listed) beams_.plain = sorted.size() / kBeamIndices;
+        }
+        beams_.indices = std::move(sorted);
     }
 
     /// Whether its volume is of the kind that is wanted.
@@ -83,10 +138,9 @@ private:
             beam.ray[k] = {ray.a, ray.b, ray.slope_a, ray.slope_b};
             beam.start[k] = ray.start;
             beam.end[k] = ray.end;
-            beam.area[k] = areas_.even[v].about(middle).q;
+            beam.area[k] = areas_.even[v].about(static_cast<double>(static_cast<float>(middle))).q;
             beam.flux[k] = areas_.flux[v];
-            beam.first[k] = areas_.first[v];
-            beam.listed[k] = areas_.first[v + 1] - areas_.first[v];
+            beam.steepness = std::max(beam.steepness, static_cast<float>(areas_.steepness[v]));
         }
         beam.middle = static_cast<float>(middle);
         beam.bias = static_cast<float>(bias);

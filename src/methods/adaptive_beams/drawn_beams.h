@@ -16,8 +16,10 @@ struct DrawnBeams {
     std::vector<layout::DrawnBeam> beams;
     std::vector<layout::TurningArea> turning;
     std::vector<glm::vec3> corners;  ///< six a beam: x w and y w [pixels], and w; behind the camera w <= 0
-    std::vector<std::uint32_t> indices;  ///< 24 a beam
-    std::size_t prisms = 0;              ///< beams that have a prism for want of six triangles
+    /// 24 a beam: first of the beams without listed triangles, then of those with; each in the set's order.
+    std::vector<std::uint32_t> indices;
+    std::size_t plain = 0;   ///< beams without listed triangles
+    std::size_t prisms = 0;  ///< beams that have a prism for want of six triangles
 };
 
 /// Depths before its start and beyond its end that still belong to a beam, m: between its vertices a surface

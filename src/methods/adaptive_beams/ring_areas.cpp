@@ -1,6 +1,7 @@
 #include "methods/adaptive_beams/ring_areas.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "base/parallel.h"
@@ -61,11 +62,14 @@ AreaFunction area_function(const BeamSet& set, const glm::uvec3& triangle, doubl
 }
 
 RingAreas::RingAreas(const BeamSet& set)
-    : even(set.vertices.size()), flux(set.vertices.size(), glm::dvec3(0)), first(set.vertices.size() + 1, 0) {
+    : even(set.vertices.size()),
+      flux(set.vertices.size(), glm::dvec3(0)),
+      steepness(set.vertices.size(), 0),
+      first(set.vertices.size() + 1, 0) {
     const Rings rings(set);
-    std::vector<std::vector<layout::TurningArea>> listed(set.vertices.size() / kTile + 1);
+    std::vector<std::vector<std::uint32_t>> listed(set.vertices.size() / kTile + 1);
     parallel_for(set.vertices.size(), kTile, [&](std::size_t begin, std::size_t end) {
-        std::vector<layout::TurningArea>& list = listed[begin / kTile];
+        std::vector<std::uint32_t>& list = listed[begin / kTile];
         for (std::size_t v = begin; v < end; ++v) {
             double from = INFINITY, to = -INFINITY;
             const auto visit = [&](auto&& body) {
@@ -81,27 +85,35 @@ RingAreas::RingAreas(const BeamSet& set)
             });
             if (!(from <= to)) continue;
             even[v].middle = 0.5 * (from + to);
+            std::array<double, kSteepnessSteps + 1> sums{};
+            const double step = (to - from) / kSteepnessSteps;
             visit([&](std::uint32_t i) {
                 const AreaFunction area = area_function(set, set.triangles[i], even[v].middle);
+                for (int k = 0; k <= kSteepnessSteps; ++k)
+                    sums[static_cast<std::size_t>(k)] += std::abs(area.at(from + k * step));
                 if (keeps_sign(area, from, to)) {
                     even[v].q += area.at(from) + area.at(to) < 0 ? -area.q : area.q;
                 } else {
-                    list.push_back({glm::vec4(area.q, area.middle)});
+                    list.push_back(i);
                     ++first[v + 1];
                 }
             });
+            // Changes of more than e^8 count as such: to or from a point there is no end of them.
+            for (std::size_t k = 0; k < kSteepnessSteps && step > 0; ++k) {
+                const double least = std::min(sums[k], sums[k + 1]), most = std::max(sums[k], sums[k + 1]);
+                const double change = least > 0 ? std::min(std::log(most / least), 8.0) : 8.0;
+                steepness[v] = std::max(steepness[v], change / step);
+            }
         }
     });
     for (std::size_t v = 1; v < first.size(); ++v) first[v] += first[v - 1];
     for (const auto& list : listed) turning.insert(turning.end(), list.begin(), list.end());
 }
 
-double RingAreas::area(std::size_t vertex, double depth) const {
+double RingAreas::area(const BeamSet& set, std::size_t vertex, double depth) const {
     double sum = std::abs(even[vertex].at(depth));
-    for (std::uint32_t i = first[vertex]; i < first[vertex + 1]; ++i) {
-        const glm::dvec4 a(turning[i].area);
-        sum += std::abs(AreaFunction{glm::dvec3(a), a.w}.at(depth));
-    }
+    for (std::uint32_t i = first[vertex]; i < first[vertex + 1]; ++i)
+        sum += std::abs(area_function(set, set.triangles[turning[i]], depth).q.x);
     return sum;
 }
 

@@ -3,7 +3,6 @@
 #include <glm/glm.hpp>
 #include <vector>
 
-#include "layout/beam_volume.h"
 #include "methods/adaptive_beams/beam_set.h"
 
 namespace dapple::methods::adaptive_beams {
@@ -21,6 +20,8 @@ struct AreaFunction {
     AreaFunction about(double depth) const;
 };
 
+constexpr int kSteepnessSteps = 8;
+
 /// Signed area of a triangle of rays on the planes of constant depth, about `middle`.
 AreaFunction area_function(const BeamSet& set, const glm::uvec3& triangle, double middle);
 
@@ -28,14 +29,17 @@ AreaFunction area_function(const BeamSet& set, const glm::uvec3& triangle, doubl
 /// that keep their sign between the first start and the last end of the ring are summed up in one function;
 /// the others, which pass a focus there, are listed.
 struct RingAreas {
-    std::vector<AreaFunction> even;    ///< a vertex
-    std::vector<glm::dvec3> flux;      ///< a vertex, W
-    std::vector<std::uint32_t> first;  ///< vertices + 1, into `turning`
-    std::vector<layout::TurningArea> turning;
+    std::vector<AreaFunction> even;  ///< a vertex
+    std::vector<glm::dvec3> flux;    ///< a vertex, W
+    /// A vertex, 1/m: how fast the logarithm of the ring's area changes, at most, between kSteepnessSteps + 1
+    /// depths.
+    std::vector<double> steepness;
+    std::vector<std::uint32_t> first;    ///< vertices + 1, into `turning`
+    std::vector<std::uint32_t> turning;  ///< triangles of the set, ascending in each ring
 
     explicit RingAreas(const BeamSet& set);
     /// m^2 at a depth.
-    double area(std::size_t vertex, double depth) const;
+    double area(const BeamSet& set, std::size_t vertex, double depth) const;
 };
 
 }  // namespace dapple::methods::adaptive_beams

@@ -1,6 +1,6 @@
-#version 460
-#extension GL_GOOGLE_include_directive : require
-#extension GL_EXT_scalar_block_layout : require
+// One of the fragment shaders of beams. LISTED: beams have listed triangles (else all areas keep their signs);
+// TABLE: the phase function is a table (else two lobes).
+//
 // What one beam sends through one pixel: S, scattered once on the part of the camera's segment that lies in the
 // beam, and E, at the receiver. On every plane of constant depth a beam is the triangle of its three rays; along a
 // camera ray depth is linear, and so twice the areas of the triangles between the ray's point and the beam's edges
@@ -8,6 +8,7 @@
 // The density of flux is that of the corners, interpolated: a corner's is the flux of its ring of triangles over their
 // area (after Ernst et al. 2005), so that it is continuous across beams, and the sum over all triangles of area times
 // mean density is the sum of their flux.
+#extension GL_EXT_scalar_block_layout : require
 #define WAY in
 #include "adaptive_beams/beam_varyings.glsl"
 #include "layout/beam_volume.h"
@@ -45,21 +46,24 @@ bool one_sign(vec3 w) { return all(greaterThan(w, vec3(0.0))) || all(lessThan(w,
 
 float at(vec3 q, float t) { return q.x + t * (q.y + t * q.z); }
 
-// m^2: of the ring of a corner at a depth.
-float ring_area(vec3 area, float depth, uint from, uint count) {
-    float sum = abs(at(area, depth - area_middle_0.w));
-    for (uint i = 0u; i < count; ++i) {
-        vec4 one = turning[from + i].area;
-        sum += abs(at(one.xyz, depth - one.w));
+// m^2: of the corners' rings at three depths.
+void ring_areas(vec3 depth, out vec3 a0, out vec3 a1, out vec3 a2) {
+    vec3 u = depth - area_middle_0.w;
+    a0 = abs(vec3(at(area_middle_0.xyz, u.x), at(area_bias_1.xyz, u.x), at(area_cell_2.xyz, u.x)));
+    a1 = abs(vec3(at(area_middle_0.xyz, u.y), at(area_bias_1.xyz, u.y), at(area_cell_2.xyz, u.y)));
+    a2 = abs(vec3(at(area_middle_0.xyz, u.z), at(area_bias_1.xyz, u.z), at(area_cell_2.xyz, u.z)));
+#ifdef LISTED
+    for (uint i = listed.x; i < listed.y; ++i) {
+        TurningArea one = turning[i];
+        vec3 of_corner = vec3(one.corners & 1u, one.corners >> 1 & 1u, one.corners >> 2 & 1u);
+        a0 += abs(at(one.area, u.x)) * of_corner;
+        a1 += abs(at(one.area, u.y)) * of_corner;
+        a2 += abs(at(one.area, u.z)) * of_corner;
     }
-    return sum;
+#endif
 }
 
-vec3 ring_areas(float depth) {
-    return vec3(ring_area(area_middle_0.xyz, depth, first.x, listed.x),
-                ring_area(area_bias_1.xyz, depth, first.y, listed.y),
-                ring_area(area_cell_2.xyz, depth, first.z, listed.z));
-}
+vec3 ends() { return end_steepness.xyz; }
 
 vec3 starts() { return vec3(flux_start_0.w, flux_start_1.w, flux_start_2.w); }
 
@@ -83,15 +87,15 @@ vec2 place(vec4 ray, vec3 point) { return ray.xy + ray.zw * point.z - point.xy; 
 vec3 lit(vec3 point, vec3 normal) {
     vec2 p0 = place(ray_0, point), p1 = place(ray_1, point), p2 = place(ray_2, point);
     vec3 w = vec3(side(p1, p2), side(p2, p0), side(p0, p1));
-    if (!one_sign(w)) return vec3(0.0);
     vec3 share = barycentric(w);
     float below = point.z - dot(share, starts());
-    if (below < -area_bias_1.w || point.z > dot(share, ends) + area_bias_1.w) return vec3(0.0);
     vec3 light = along_light(share);
     float facing = -dot(light.x * frame.a + light.y * frame.b + light.z * frame.axis, normal);
-    if (facing <= 0.0) return vec3(0.0);
-    return facing * density(share, ring_areas(point.z)) *
-           exp(-push.extinction * (max(below, 0.0) * length(light)));
+    if (!one_sign(w) || below < -area_bias_1.w || point.z > dot(share, ends()) + area_bias_1.w || facing <= 0.0)
+        return vec3(0.0);
+    vec3 area, same, again;
+    ring_areas(vec3(point.z), area, same, again);
+    return facing * density(share, area) * exp(-push.extinction * (max(below, 0.0) * length(light)));
 }
 
 // The beam along a camera ray: t is m from `base`.
@@ -125,72 +129,78 @@ vec2 roots(vec3 c) {
 float within(Along ray, float t, float cap) {
     vec3 w = sides(ray, t);
     float depth = ray.depth + t * ray.deeper;
-    vec3 room = cap > 0.0 ? ends - depth : depth - starts();
+    vec3 room = cap > 0.0 ? ends() - depth : depth - starts();
     return dot(abs(w), room + area_bias_1.w);
 }
 
 // Cuts a piece at a cap, by false position (the Illinois rule).
 void cut(Along ray, float cap, inout float from, inout float to) {
     float a = from, b = to, fa = within(ray, a, cap), fb = within(ray, b, cap);
-    if (fa >= 0.0 && fb >= 0.0) return;
-    if (fa < 0.0 && fb < 0.0) {
-        to = from;
-        return;
+    bool enters = fa < 0.0, leaves = fb < 0.0;
+    if (enters && leaves) to = from;
+    int left = enters != leaves ? 4 : 0;
+    float c = a;
+    while (left >= 0) {
+        c = enters != leaves ? (fa * b - fb * a) / (fa - fb) : c;
+        if (left <= 0) break;
+        float fc = within(ray, c, cap);
+        bool second = fc < 0.0 == leaves;
+        a = second ? a : c;
+        b = second ? c : b;
+        fa = second ? 0.5 * fa : fc;
+        fb = second ? fc : 0.5 * fb;
+        --left;
     }
-    for (int i = 0; i < 5; ++i) {
-        float c = (fa * b - fb * a) / (fa - fb), fc = within(ray, c, cap);
-        if (fc < 0.0 == fb < 0.0) {
-            b = c;
-            fb = fc;
-            fa *= 0.5;
-        } else {
-            a = c;
-            fa = fc;
-            fb *= 0.5;
-        }
-    }
-    float c = (fa * b - fb * a) / (fa - fb);
-    if (within(ray, from, cap) < 0.0)
-        from = c;
-    else
-        to = c;
+    if (enters && !leaves) from = c;
+    if (leaves && !enters) to = c;
 }
 
-vec3 scattered_at(Along ray, float t) {
+vec3 scattered_at(Along ray, float t, float depth, vec3 area) {
     vec3 share = barycentric(sides(ray, t));
-    float depth = ray.depth + t * ray.deeper;
     vec3 light = along_light(share);
-    float stretch = length(light);
+    float inverse = inversesqrt(dot(light, light));
+    float stretch = 1.0 / inverse;
     float way = max(0.0, depth - dot(share, starts())) * stretch + ray.base + t;
-    float p = phase(-dot(light, ray.direction) / stretch);
-    return (p * stretch) * density(share, ring_areas(depth)) * exp(-push.extinction * way);
+    float p = phase(-dot(light, ray.direction) * inverse);
+    return (p * stretch) * density(share, area) * exp(-push.extinction * way);
 }
 
 // Nodes and weights of Gauss and Legendre's rule of degree five.
 const float kNode = 0.774596669;
 const float kOuter = 5.0 / 9.0;
 const float kInner = 8.0 / 9.0;
-const int kMostPanels = 8;
+const float kMostPanels = 8.0;
 
 vec3 integral(Along ray, float from, float to) {
-    // Densities change as the areas do: where these change by much the piece is cut.
-    vec3 a = ring_areas(ray.depth + from * ray.deeper), b = ring_areas(ray.depth + 0.5 * (from + to) * ray.deeper),
-         c = ring_areas(ray.depth + to * ray.deeper);
-    vec3 least = min(min(a, b), c), most = max(max(a, b), c);
-    vec3 span = most / max(least, most * 1e-3);
-    float change = max(max(span.x, span.y), span.z);
-    float panels_of_change = change > 1.5 ? 2.0 * log2(min(change, 1e3)) + 1.0 : 1.0;
-    float dimming = (max(max(push.extinction.x, push.extinction.y), push.extinction.z)) *
-                    (to - from) * (1.0 + abs(ray.deeper) * length(along_light(vec3(1.0 / 3.0))));
-    int panels = int(min(max(panels_of_change, dimming), float(kMostPanels)));
+    float half_width = 0.5 * (to - from), middle = from + half_width;
+    // Where densities change by much, as the areas do, or much is dimmed, the piece is cut.
+    float extinction = max(max(push.extinction.x, push.extinction.y), push.extinction.z);
+    float dimming = extinction * (1.0 + abs(ray.deeper) * length(along_light(vec3(1.0 / 3.0))));
+    float panels = (to - from) * max(dimming, end_steepness.w * abs(ray.deeper));
+    panels = ceil(clamp(panels, 1.0, kMostPanels));
+    vec3 a, b, c;
     vec3 sum = vec3(0.0);
-    float half_width = 0.5 * (to - from) / float(panels);
-    for (int i = 0; i < panels; ++i) {
-        float middle = from + (2.0 * float(i) + 1.0) * half_width;
-        for (int node = -1; node <= 1; ++node)
-            sum += (node == 0 ? kInner : kOuter) * scattered_at(ray, middle + float(node) * kNode * half_width);
+    half_width /= panels;
+    middle = from + half_width;
+    for (float panel = 0.0; panel < panels; panel += 1.0) {
+        vec3 t = vec3(middle - kNode * half_width, middle, middle + kNode * half_width);
+        vec3 depth = ray.depth + ray.deeper * t;
+        ring_areas(depth, a, b, c);
+        sum += kOuter * (scattered_at(ray, t.x, depth.x, a) + scattered_at(ray, t.z, depth.z, c)) +
+               kInner * scattered_at(ray, t.y, depth.y, b);
+        middle += 2.0 * half_width;
     }
     return sum * half_width * push.scattering;
+}
+
+void order(inout float a, inout float b) {
+    float least = min(a, b);
+    b = max(a, b);
+    a = least;
+}
+
+uint piece_bit(Along ray, float from, float to, uint bit) {
+    return from < to && one_sign(sides(ray, 0.5 * (from + to))) ? bit : 0u;
 }
 
 vec3 scatter(vec3 origin, vec3 direction, float segment) {
@@ -200,19 +210,19 @@ vec3 scatter(vec3 origin, vec3 direction, float segment) {
     // Where the segment is in the beam's range of depths.
     vec3 start = starts();
     float low = min(min(start.x, start.y), start.z) - area_bias_1.w;
-    float high = max(max(ends.x, ends.y), ends.z) + area_bias_1.w;
+    vec3 end = ends();
+    float high = max(max(end.x, end.y), end.z) + area_bias_1.w;
     float from = 0.0, to = segment;
     if (direction.z != 0.0) {
         float t0 = (low - origin.z) / direction.z, t1 = (high - origin.z) / direction.z;
         from = max(from, min(t0, t1));
         to = min(to, max(t0, t1));
-    } else if (origin.z < low || origin.z > high) {
-        return vec3(0.0);
+    } else {
+        to = origin.z < low || origin.z > high ? from : to;
     }
-    if (!(from < to)) return vec3(0.0);
     // Edges are measured from a place near the beam, where few digits are lost; neighbours mostly take the same.
     vec2 p = (p0 + p1 + p2) / 3.0, d = (d0 + d1 + d2) / 3.0;
-    float nearest = clamp(-dot(p, d) / max(dot(d, d), 1e-12), from, to);
+    float nearest = clamp(-dot(p, d) / max(dot(d, d), 1e-12), from, max(from, to));
     float base = round(nearest / area_cell_2.w) * area_cell_2.w;
     vec3 point = origin + base * direction;
     p0 = place(ray_0, point);
@@ -227,24 +237,37 @@ vec3 scatter(vec3 origin, vec3 direction, float segment) {
     ray.direction = direction;
     ray.base = base;
     from -= base;
-    to -= base;
-    vec2 r0 = roots(ray.w0), r1 = roots(ray.w1), r2 = roots(ray.w2);
+    to = max(from, to - base);
+    // The pieces between places where edges are crossed.
+    vec2 r0 = clamp(roots(ray.w0), from, to), r1 = clamp(roots(ray.w1), from, to),
+         r2 = clamp(roots(ray.w2), from, to);
+    float c0 = r0.x, c1 = r0.y, c2 = r1.x, c3 = r1.y, c4 = r2.x, c5 = r2.y;
+    order(c0, c1);
+    order(c2, c3);
+    order(c4, c5);
+    order(c0, c2);
+    order(c3, c5);
+    order(c1, c4);
+    order(c0, c1);
+    order(c2, c3);
+    order(c4, c5);
+    order(c1, c2);
+    order(c3, c4);
+    order(c2, c3);
+    uint inside = piece_bit(ray, from, c0, 1u) | piece_bit(ray, c0, c1, 2u) | piece_bit(ray, c1, c2, 4u) |
+                  piece_bit(ray, c2, c3, 8u) | piece_bit(ray, c3, c4, 16u) | piece_bit(ray, c4, c5, 32u) |
+                  piece_bit(ray, c5, to, 64u);
     vec3 sum = vec3(0.0);
-    while (from < to) {
-        float next = to;
-        next = r0.x > from ? min(next, r0.x) : next;
-        next = r0.y > from ? min(next, r0.y) : next;
-        next = r1.x > from ? min(next, r1.x) : next;
-        next = r1.y > from ? min(next, r1.y) : next;
-        next = r2.x > from ? min(next, r2.x) : next;
-        next = r2.y > from ? min(next, r2.y) : next;
-        if (one_sign(sides(ray, 0.5 * (from + next)))) {
-            float enter = from, leave = next;
-            cut(ray, -1.0, enter, leave);
-            cut(ray, 1.0, enter, leave);
-            if (enter < leave) sum += integral(ray, enter, leave);
-        }
-        from = next;
+    while (inside != 0u) {
+        uint bit = inside & (~inside + 1u);
+        inside ^= bit;
+        float enter = bit < 8u ? (bit == 1u ? from : bit == 2u ? c0 : c1)
+                               : (bit == 8u ? c2 : bit == 16u ? c3 : bit == 32u ? c4 : c5);
+        float leave = bit < 8u ? (bit == 1u ? c0 : bit == 2u ? c1 : c2)
+                               : (bit == 8u ? c3 : bit == 16u ? c4 : bit == 32u ? c5 : to);
+        cut(ray, -1.0, enter, leave);
+        cut(ray, 1.0, enter, leave);
+        sum += integral(ray, enter, leave);
     }
     return sum;
 }
@@ -254,10 +277,10 @@ void main() {
     irradiance = vec4(0.0);
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     vec4 seen = texelFetch(pixels, pixel, 0);
-    if (seen.z != push.in_water) return;
+    seen.xy = seen.z == push.in_water ? seen.xy : vec2(0.0);
     vec2 xy = vec2(pixel);
     vec3 origin = push.origin + xy.x * push.origin_u + xy.y * push.origin_v;
     vec3 direction = normalize(push.direction + xy.x * push.direction_u + xy.y * push.direction_v);
-    if (seen.x > 0.0) scattered.xyz = scatter(origin, direction, seen.x);
+    scattered.xyz = scatter(origin, direction, seen.x);
     if (seen.y > 0.0) irradiance.xyz = lit(origin + seen.y * direction, texelFetch(normals, pixel, 0).xyz);
 }
