@@ -80,6 +80,7 @@ const char* loss_name(Cause cause) {
         "lost after too many surfaces, W",
         "lost at silhouettes, W",
         "lost outside cones, W",
+        "lost in weak beams, W",
         "lost beyond the scene, W",
     };
     return names[static_cast<std::size_t>(cause)];
@@ -220,7 +221,8 @@ void PathTracer::leave_start(std::span<const Way> ways, std::vector<Meeting>& me
         const Way& way = ways[i];
         const Meeting& meeting = meetings[i];
         if (way.near == 0 || meeting.kind == Meeting::Kind::nothing) continue;
-        if (meeting.point.distance > kGrazingMargins * margin(way.origin)) continue;
+        // By `near` too, which grows each time: so it comes to an end whatever the distance is.
+        if (std::max(way.near, meeting.point.distance) > kGrazingMargins * margin(way.origin)) continue;
         const bool inwards = glm::dot(way.direction, meeting.point.geometric_normal) < 0;
         const bool wrong = meeting.kind == Meeting::Kind::water
                                ? inwards == way.in_water
@@ -257,7 +259,8 @@ void PathTracer::start(std::size_t vertex, const Way& way, const Meeting& meetin
     double inner = index_outside(!way.in_water);
     if (!water) inner = scene_.state.objects[meeting.hit.object].material.refractive_index;
     const Crossing crossing = cross(way.direction, meeting.point, outer / inner);
-    const double length = view_.parallel() ? kInfinity : record.distance;
+    double length = record.distance;
+    if (view_.parallel()) length = kInfinity;
     const glm::dvec3 arriving =
         glm::exp(-media_.optical_depth(record.position, -way.direction, length, way.in_water));
     for (const light::Event event : {light::Event::transmission, light::Event::reflection}) {

@@ -28,9 +28,10 @@ enum class Cause : std::uint8_t {
     too_many_surfaces,  ///< more than kMostLegs
     silhouette,         ///< between the last ray that meets a surface and the first that does not
     outside_cone,       ///< rays of one beam that fit no one set's cone
+    too_weak,           ///< beams that carry next to nothing
     beyond,             ///< all rays of a beam miss everything that can be lit or seen
 };
-constexpr std::size_t kCauses = 10;
+constexpr std::size_t kCauses = 11;
 /// "lost to total reflection, W".
 const char* loss_name(Cause cause);
 

@@ -15,6 +15,10 @@ constexpr int kRounds = 4;
 /// paths of two kinds it is, being a 4096th wide.
 constexpr double kSliver = 1e-3;
 
+/// Beams that carry less than this against the mean beam of their chain are left out: near total reflection
+/// and at outlines there are thousands.
+constexpr double kWeakest = 1e-4;
+
 using Corners = std::array<std::uint32_t, 3>;
 
 /// A part of a triangle of the grid.
@@ -53,6 +57,8 @@ public:
         std::erase_if(pieces, [&](const Piece& piece) { return !on_body(piece.rays[0]); });
         for (const Piece& piece : pieces)
             harvest_.incident += piece.extent * piece.scale * mean_of(piece, Arriving{}) * view_.color();
+        const glm::dvec3 all = harvest_.incident;
+        mean_flux_ = (all.x + all.y + all.z) / std::max<double>(1, static_cast<double>(pieces.size()));
         for (std::size_t leg = 0; leg < kMostLegs + 1 && !pieces.empty(); ++leg)
             pieces = take_leg(pieces, leg);
         return std::move(harvest_);
@@ -128,7 +134,10 @@ private:
             lose(Cause::beyond, flux / view_color());
             return;
         }
-        if (!(flux.x > 0 || flux.y > 0 || flux.z > 0)) return;
+        if (!(flux.x + flux.y + flux.z > kWeakest * mean_flux_)) {
+            lose(Cause::too_weak, flux / view_color());
+            return;
+        }
         LegBeams& legs = legs_of(path(piece.rays[0]), leg);
         legs.beams.push_back({piece.rays, flux});
     }
@@ -306,6 +315,7 @@ private:
     bool keep_whole_;
     TracedRays& rays_;
     BeamHarvest harvest_;
+    double mean_flux_ = 0;  // W, sum of the channels, of a piece of the light that takes the event
     std::unordered_map<std::uint64_t, Change> changes_;
 };
 
