@@ -295,7 +295,7 @@ void expect_energy(const reference::EnergyAccount& account, double emitted) {
 TEST(ReferenceGlass, LightIsOfTheFirstBodyThatItMeets) {
     scene::FrameState state = slab_over_floor(0, glm::dvec3(0), 8);
     state.objects.push_back(state.objects[1]);
-    state.objects.back().transform.position.y = 1;
+    state.objects.back().transform.position.y = 4;
     EXPECT_EQ(account_of(state, {{0, kThrough, 1}, {0, kBack, 1}}, 4096).emitted, 0);
     EXPECT_NEAR(account_of(state, {{0, kThrough, 2}, {0, kBack, 2}}, 4096).emitted, 2 * 2.4 * 1.2, 1e-9);
     // Water over both is met before them.
