@@ -19,6 +19,8 @@ namespace dapple::methods {
 /// until the mean standard error over the mean E is at most ReferenceParameters::standard_error; where
 /// most_rays does not suffice the last round that fits is the answer. A cell of the receivers that straddles
 /// a pixel's edge blurs by an eighth of a pixel at most; on planes aligned with the pixels there is none.
+/// Where E changes much between neighbouring paths, as in the focus of a ball, such cells count for more or
+/// fewer paths than lie in them: the flux there was 2.3 % low on a plane that was not aligned.
 ///
 /// Bodies of glass are spheres, whose crossings are exact, and the triangles of boxes and meshes, these with
 /// interpolated normals where the file gives normals. What lies about a body (water or air) is asked where a
@@ -36,6 +38,10 @@ namespace dapple::methods {
 /// (eye_connection.h); others are seen by beams around sub-pixel camera paths, 8 x 8 a sample's part of a
 /// pixel (fewer in pictures of more than 16384 pixels), whose error falls with the square of their width
 /// (camera_beams.h).
+///
+/// A round ends the estimate because its own errors are small, which favours rounds that missed a little:
+/// over 24 seeds S of a lamp over water was 0.3 % low where 3 % was asked for, a tenth of what is stated
+/// (with one round alone -0.01 +- 0.14 %).
 ///
 /// Limits: light that leaves the water's rectangle below open water does not meet the rest plane outside it;
 /// branches of later crossings of less than 1e-4 of the light, and chains of more than 16 events, end (both
