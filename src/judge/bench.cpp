@@ -223,6 +223,16 @@ private:
         const ErrorJudge judge(reference_paths(), frames_, options_.layer, clip_.samples);
         result_.reference->noise = judge.noise();
         result_.exposures = judge.exposures();
+        std::optional<ErrorJudge> scattered;
+        if (options_.layer != kScatteredLayer &&
+            has_layer(reference_paths(), frames_.front(), kScatteredLayer)) {
+            scattered.emplace(reference_paths(), frames_, kScatteredLayer, clip_.samples);
+            if (scattered->noise().mean > 0) {
+                result_.reference->scattered = scattered->noise();
+            } else {
+                scattered.reset();
+            }
+        }
         for (std::size_t i = 0; i < runs_.size(); ++i) {
             if (renderings_.interrupted()) return false;
             RungResult& result = result_.rungs.emplace_back();
@@ -233,7 +243,10 @@ private:
             result.timing = timing_of(runs_[i].repeats());
             result.repeats = runs_[i].repeats().size();
             result.partly = partly(runs_[i].manifest());
-            result.judged = judge.judge({runs_[i].folder(), clip_.name});
+            const run::OutputPaths paths(runs_[i].folder(), clip_.name);
+            result.judged = judge.judge(paths);
+            if (scattered && has_layer(paths, frames_.front(), kScatteredLayer))
+                result.scattered = scattered->judge(paths).errors;
         }
         return true;
     }

@@ -42,9 +42,15 @@ Frame read(const run::OutputPaths& paths, std::int64_t number, const std::string
         const std::string of = name.substr(0, name.rfind('.'));
         if (name == "covered" || name == "R" || name == "G" || name == "B" || name == layer || of == layer)
             return true;
-        return all && (of == "E.variance" || of == "P" || of == "N");
+        return all && (of == "E.variance" || of == "S.variance" || of == "P" || of == "N");
     });
     return frame;
+}
+
+/// The share of each pixel that the layer tells of.
+std::vector<float> coverage(const Frame& frame, const std::string& layer) {
+    if (layer == kScatteredLayer) return std::vector<float>(frame.image.pixels(), 1);
+    return frame["covered"];
 }
 
 /// The layer with NaN, which metrics leave out, where `keep` is false.
@@ -67,7 +73,7 @@ Picture masked(const Frame& frame, const std::string& layer, const std::vector<b
 /// Sum of the layer's luminance over all pixels, each by the share of it that is covered.
 double light(const Frame& frame, const std::string& layer) {
     const Picture picture = picture_of(frame.image, layer, frame.path);
-    const std::vector<float>& covered = frame["covered"];
+    const std::vector<float> covered = coverage(frame, layer);
     double sum = 0;
     for (std::size_t i = 0; i < covered.size(); ++i)
         sum += static_cast<double>(picture.luminance[i]) * static_cast<double>(covered[i]);
@@ -109,13 +115,13 @@ std::vector<bool> inside_surfaces(const Frame& frame) {
 }
 
 /// Variance of a pixel's luminance: the channels' light is that of the same rays, so that their errors add.
-std::vector<float> luminance_variance(const Frame& reference, double samples) {
+std::vector<float> luminance_variance(const Frame& reference, const std::string& layer, double samples) {
     image::Image deviation;
     deviation.width = reference.image.width;
     deviation.height = reference.image.height;
     deviation.chromaticities = reference.image.chromaticities;
     for (const char* c : {"R", "G", "B"}) {
-        const std::vector<float>& variance = reference[std::string("E.variance.") + c];
+        const std::vector<float>& variance = reference[layer + "." + c];
         std::vector<float>& values = deviation.add(c).values;
         for (std::size_t i = 0; i < values.size(); ++i)
             values[i] = std::sqrt(variance[i] / static_cast<float>(samples));
@@ -150,11 +156,12 @@ struct Sums {
     double share(double sum) const { return metrics::share_of(sum, mean); }
 };
 
-/// Mean over the pixels and channels of the picture that count, of the variance of E.
-double mean_variance(const Frame& reference, const std::vector<bool>& keep, double samples) {
+/// Mean over the pixels and channels of the picture that count, of the variance in `layer`.
+double mean_variance(const Frame& reference, const std::string& layer, const std::vector<bool>& keep,
+                     double samples) {
     double sum = 0, count = 0;
-    for (const char* c : {"E.variance.R", "E.variance.G", "E.variance.B"}) {
-        const std::vector<float>& values = reference[c];
+    for (const char* c : {"R", "G", "B"}) {
+        const std::vector<float>& values = reference[layer + "." + c];
         for (std::size_t i = 0; i < values.size(); ++i) {
             if (!keep[i]) continue;
             sum += static_cast<double>(values[i]);
@@ -166,6 +173,13 @@ double mean_variance(const Frame& reference, const std::vector<bool>& keep, doub
 
 }  // namespace
 
+bool has_layer(const run::OutputPaths& paths, std::int64_t frame, const std::string& layer) {
+    const std::string channel = layer + ".R";
+    const image::Image image =
+        image::read_exr(paths.linear(frame), [&](const std::string& name) { return name == channel; });
+    return image.find(channel) != nullptr;
+}
+
 ErrorJudge::ErrorJudge(run::OutputPaths reference, std::vector<std::int64_t> frames, std::string layer,
                        int samples)
     : reference_(std::move(reference)),
@@ -173,16 +187,20 @@ ErrorJudge::ErrorJudge(run::OutputPaths reference, std::vector<std::int64_t> fra
       layer_(std::move(layer)),
       samples_(samples) {
     std::sort(frames_.begin(), frames_.end());
-    const bool noise_known = layer_ == "E";
+    if (layer_ == "E") variance_ = "E.variance";
+    // There is none at half volume resolution.
+    if (layer_ == kScatteredLayer && has_layer(reference_, frames_.front(), "S.variance"))
+        variance_ = "S.variance";
+    const bool noise_known = !variance_.empty();
     const std::vector<std::int64_t> pilots = pilot_frames(frames_);
     std::vector<Picture> pictures;
     double sum = 0, count = 0, variance = 0, deviation = 0;
     for (const std::int64_t number : frames_) {
         const Frame frame = read(reference_, number, layer_, noise_known);
         const Picture picture = picture_of(frame.image, layer_, frame.path);
-        const std::vector<float>& covered = frame["covered"];
+        const std::vector<float> covered = coverage(frame, layer_);
         std::vector<float> squares;
-        if (noise_known) squares = luminance_variance(frame, samples_);
+        if (noise_known) squares = luminance_variance(frame, variance_, samples_);
         for (std::size_t i = 0; i < covered.size(); ++i) {
             if (!(covered[i] > 0)) continue;
             sum += static_cast<double>(picture.luminance[i]);
@@ -210,7 +228,7 @@ ErrorJudge::ErrorJudge(run::OutputPaths reference, std::vector<std::int64_t> fra
 }
 
 ErrorJudge::Judged ErrorJudge::judge(const run::OutputPaths& run) const {
-    const bool noise_known = layer_ == "E";
+    const bool noise_known = !variance_.empty();
     Judged judged;
     Sums all, inside_only;
     double flip = 0, light_sum = 0, reference_light = 0, counted = 0, covered_pixels = 0;
@@ -222,8 +240,8 @@ ErrorJudge::Judged ErrorJudge::judge(const run::OutputPaths& run) const {
         const std::size_t pixels = reference.image.pixels();
         if (ours.image.width != reference.image.width || ours.image.height != reference.image.height)
             throw Error(ExitCode::input_unreadable, ours.path + ": its size is not the reference's");
-        const std::vector<float>& covered = reference["covered"];
-        const std::vector<float>& covered_by_us = ours["covered"];
+        const std::vector<float> covered = coverage(reference, layer_);
+        const std::vector<float> covered_by_us = coverage(ours, layer_);
         std::vector<bool> keep(pixels), keep_inside = inside_surfaces(reference);
         for (std::size_t i = 0; i < pixels; ++i) {
             covered_pixels += covered[i] > 0 ? 1 : 0;
@@ -233,7 +251,7 @@ ErrorJudge::Judged ErrorJudge::judge(const run::OutputPaths& run) const {
         Picture a = masked(ours, layer_, keep), b = masked(reference, layer_, keep);
         exclude_together(a, b);
         all.add(metrics::errors_of(a, b, 1, noise_.mean), a.counted(),
-                noise_known ? mean_variance(reference, keep, samples_) : 0);
+                noise_known ? mean_variance(reference, variance_, keep, samples_) : 0);
         Picture inner = masked(ours, layer_, keep_inside), inner_b = masked(reference, layer_, keep_inside);
         exclude_together(inner, inner_b);
         inside_only.add(metrics::errors_of(inner, inner_b, 1, noise_.mean), inner.counted(), 0);
@@ -242,7 +260,7 @@ ErrorJudge::Judged ErrorJudge::judge(const run::OutputPaths& run) const {
         reference_light += light(reference, layer_);
         counted += static_cast<double>(b.counted());
         if (noise_known) {
-            const std::vector<float> squares = luminance_variance(reference, samples_);
+            const std::vector<float> squares = luminance_variance(reference, variance_, samples_);
             for (std::size_t i = 0; i < pixels; ++i)
                 variance_of_luminance += keep[i] ? static_cast<double>(squares[i]) : 0;
         }

@@ -46,13 +46,21 @@ struct ReferenceNoise {
     double mean = 0;    ///< of the layer's luminance, over all covered pixels and frames
     double pixels = 0;  ///< that are covered, in all frames
     /// Root of the mean of its variance, over the mean; of pixels, from sample 0's variance as if the other
-    /// samples had the same and their own light. None where the layer has no variance.
+    /// samples had the same and their own light (of S of the path's first branch). None where the layer has
+    /// no variance.
     std::optional<double> rmse;
     std::optional<double> l1;  ///< what this noise, normally distributed, adds at least where methods agree
 };
 
+/// S, what media scatter towards the camera of light that met something specular: a layer of all pixels, also
+/// of those that see no receiver.
+inline constexpr const char* kScatteredLayer = "volume_caustics";
+
+/// Whether a frame has the layer. Throws Error(input_unreadable).
+bool has_layer(const run::OutputPaths& paths, std::int64_t frame, const std::string& layer);
+
 /// Judges runs by a reference, both of dapple's own files. Pixels count that both cover by the same share of
-/// their samples.
+/// their samples; of S all.
 class ErrorJudge {
 public:
     /// `layer`: of the linear pictures. `samples`: camera paths a pixel. Reads all frames of the reference.
@@ -71,6 +79,7 @@ private:
     run::OutputPaths reference_;
     std::vector<std::int64_t> frames_;
     std::string layer_;
+    std::string variance_;  ///< layer of the reference's variance; empty: it is not known
     double samples_;
     ReferenceNoise noise_;
     metrics::Exposures exposures_;

@@ -36,11 +36,17 @@ std::vector<const RungResult*> rungs_of(const BenchResult& result, std::size_t l
 using ErrorMember = double ClipErrors::*;
 using TimeMember = Spread Timing::*;
 
-std::vector<std::pair<double, double>> points_of(const BenchResult& result, std::size_t ladder,
+/// Whose errors are looked at.
+enum class Judged { layer, scattered };
+
+std::vector<std::pair<double, double>> points_of(const BenchResult& result, std::size_t ladder, Judged what,
                                                  TimeMember time, ErrorMember error) {
     std::vector<std::pair<double, double>> points;
-    for (const RungResult* rung : rungs_of(result, ladder))
-        points.emplace_back((rung->timing.*time).median, rung->judged.errors.*error);
+    for (const RungResult* rung : rungs_of(result, ladder)) {
+        if (what == Judged::scattered && !rung->scattered) continue;
+        const ClipErrors& errors = what == Judged::scattered ? *rung->scattered : rung->judged.errors;
+        points.emplace_back((rung->timing.*time).median, errors.*error);
+    }
     std::sort(points.begin(), points.end());
     return points;
 }
@@ -65,12 +71,13 @@ std::string draw_zeros(report::Plot& plot, double noise) {
            formatted("%.2g", floor) + ": " + names + ".";
 }
 
-void add_plot(HtmlPage& page, const BenchResult& result, const char* title, const char* x_label,
+void add_plot(HtmlPage& page, const BenchResult& result, const char* title, const char* x_label, Judged what,
               TimeMember time, ErrorMember error, const std::optional<double>& noise) {
     report::Plot plot{.title = title, .x_label = x_label, .y_label = "share of the mean"};
     plot.log_x = plot.log_y = true;
     for (std::size_t i = 0; i < result.ladders.size(); ++i)
-        plot.series.push_back({result.ladders[i].name(), points_of(result, i, time, error), true, true});
+        plot.series.push_back(
+            {result.ladders[i].name(), points_of(result, i, what, time, error), true, true});
     if (noise && *noise > 0) plot.limits.emplace_back(*noise, "the reference's noise");
     const std::string drawn = draw_zeros(plot, noise.value_or(0));
     page.plot(report::svg(plot));
@@ -102,6 +109,38 @@ void add_errors(HtmlPage& page, const BenchResult& result) {
     }
     page.table(header, rows);
     for (const std::string& definition : bench_definitions(result)) page.paragraph(definition);
+}
+
+void add_scattered(HtmlPage& page, const BenchResult& result) {
+    const std::optional<ReferenceNoise>& noise = result.reference->scattered;
+    if (!noise) return;
+    page.heading("Scattered light");
+    add_plot(page, result, "Relative L1 of scattered light", "wall s a frame", Judged::scattered,
+             &Timing::wall_s, &ClipErrors::l1, noise->l1);
+    add_plot(page, result, "Relative RMSE of scattered light, less the reference's noise", "wall s a frame",
+             Judged::scattered, &Timing::wall_s, &ClipErrors::rmse_less_noise, noise->rmse);
+    std::vector<std::vector<Cell>> rows;
+    for (const RungResult& rung : result.rungs) {
+        if (!rung.failure.empty()) continue;
+        if (!rung.scattered) {
+            rows.push_back({{rung.rung.name}, {"none", Tone::bad}, {}, {}, {}, {}});
+            continue;
+        }
+        const ClipErrors& e = *rung.scattered;
+        rows.push_back({{rung.rung.name},
+                        {percent(e.l1)},
+                        {percent(e.rmse_less_noise)},
+                        {percent(e.block_rmse_less_noise)},
+                        {percent(e.bias)},
+                        {e.flicker ? formatted("%.5f", e.flicker_less_noise.value_or(*e.flicker)) : "–"}});
+    }
+    page.table({"run", "L1 %", "RMSE %", "4×4 %", "bias %", "flicker"}, rows);
+    page.paragraph(
+        "S: light that met something specular and is then scattered once on its way to the camera (layer " +
+        std::string(kScatteredLayer) + "), over all pixels. " +
+        (noise->rmse ? "The reference's own noise, as its camera paths' first branches know it, is " +
+                           percent(*noise->rmse) + " % (RMSE) and about " + percent(*noise->l1) + " % (L1)."
+                     : std::string("The reference's own noise is not known; nothing is taken off.")));
 }
 
 void add_times(HtmlPage& page, const BenchResult& result) {
@@ -138,7 +177,9 @@ void add_times(HtmlPage& page, const BenchResult& result) {
         for (const std::string& text : row) errors.back().push_back({text});
     }
     page.heading("Time to an error");
-    page.table({"a frame", "L1 inside 5 %", "2 %", "1 %", "RMSE 5 %", "2 %", "1 %"}, errors);
+    std::vector<std::string> header = {"a frame", "L1 inside 5 %", "2 %", "1 %", "RMSE 5 %", "2 %", "1 %"};
+    if (result.reference->scattered) header.insert(header.end(), {"S: L1 5 %", "2 %", "1 %"});
+    page.table(header, errors);
     page.paragraph(
         "Along straight lines in log(time), log(error) between neighbouring rungs; “≤” where the cheapest "
         "rung is there already, or one whose RMSE is below the reference's noise.");
@@ -249,11 +290,18 @@ TimeMember member_of(Clock clock) {
 }  // namespace
 
 TimeToError time_to_l1(const BenchResult& result, std::size_t ladder, Clock clock, double error) {
-    return time_to_error(points_of(result, ladder, member_of(clock), &ClipErrors::l1_inside), error);
+    return time_to_error(points_of(result, ladder, Judged::layer, member_of(clock), &ClipErrors::l1_inside),
+                         error);
 }
 
 TimeToError time_to_rmse(const BenchResult& result, std::size_t ladder, Clock clock, double error) {
-    return time_to_error(points_of(result, ladder, member_of(clock), &ClipErrors::rmse_less_noise), error);
+    return time_to_error(
+        points_of(result, ladder, Judged::layer, member_of(clock), &ClipErrors::rmse_less_noise), error);
+}
+
+TimeToError time_to_scattered(const BenchResult& result, std::size_t ladder, Clock clock, double error) {
+    return time_to_error(points_of(result, ladder, Judged::scattered, member_of(clock), &ClipErrors::l1),
+                         error);
 }
 
 std::vector<std::vector<std::string>> times_to_errors(const BenchResult& result) {
@@ -265,6 +313,9 @@ std::vector<std::vector<std::string>> times_to_errors(const BenchResult& result)
                 rows.back().push_back(to_string(time_to_l1(result, i, clock, error)));
             for (const double error : kErrorsOfInterest)
                 rows.back().push_back(to_string(time_to_rmse(result, i, clock, error)));
+            if (!result.reference->scattered) continue;
+            for (const double error : kErrorsOfInterest)
+                rows.back().push_back(to_string(time_to_scattered(result, i, clock, error)));
         }
     }
     return rows;
@@ -323,12 +374,13 @@ std::string bench_html(const BenchResult& result) {
             if (!rung.failure.empty()) page.verdict(rung.rung.name + ": " + rung.failure, Tone::bad);
         page.heading("Error over time");
         const auto& noise = r.noise;
-        add_plot(page, result, "Relative L1 inside surfaces", "wall s a frame", &Timing::wall_s,
+        add_plot(page, result, "Relative L1 inside surfaces", "wall s a frame", Judged::layer,
+                 &Timing::wall_s, &ClipErrors::l1_inside, noise.l1);
+        add_plot(page, result, "Relative RMSE, less the reference's noise", "wall s a frame", Judged::layer,
+                 &Timing::wall_s, &ClipErrors::rmse_less_noise, noise.rmse);
+        add_plot(page, result, "Relative L1 inside surfaces", "CPU s a frame", Judged::layer, &Timing::cpu_s,
                  &ClipErrors::l1_inside, noise.l1);
-        add_plot(page, result, "Relative RMSE, less the reference's noise", "wall s a frame", &Timing::wall_s,
-                 &ClipErrors::rmse_less_noise, noise.rmse);
-        add_plot(page, result, "Relative L1 inside surfaces", "CPU s a frame", &Timing::cpu_s,
-                 &ClipErrors::l1_inside, noise.l1);
+        add_scattered(page, result);
         add_times(page, result);
         add_errors(page, result);
         add_maps(page, result);

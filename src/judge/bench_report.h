@@ -19,13 +19,15 @@ struct RungResult {
     Timing timing;
     std::size_t repeats = 0;
     ErrorJudge::Judged judged;
-    std::vector<std::string> partly;  ///< what the plan did partly, with the reason
+    std::optional<ClipErrors> scattered;  ///< of S, where the reference and the run have it
+    std::vector<std::string> partly;      ///< what the plan did partly, with the reason
 };
 
 struct ReferenceResult {
     std::string folder, job;
     ReferenceNoise noise;
-    double wall_s = 0;  ///< a frame, with its writing
+    std::optional<ReferenceNoise> scattered;  ///< of S, where the timeline scatters light
+    double wall_s = 0;                        ///< a frame, with its writing
     double cpu_s = 0;
     double standard_error = 0;  ///< largest of the frames, as the method says it
     std::vector<std::string> partly;
@@ -52,8 +54,11 @@ enum class Clock { wall, cpu };
 /// the reference's noise.
 TimeToError time_to_l1(const BenchResult& result, std::size_t ladder, Clock clock, double error);
 TimeToError time_to_rmse(const BenchResult& result, std::size_t ladder, Clock clock, double error);
+/// By relative L1 of S.
+TimeToError time_to_scattered(const BenchResult& result, std::size_t ladder, Clock clock, double error);
 
-/// The table of these times: a row a ladder and clock, its name first, then those of L1 and of RMSE.
+/// The table of these times: a row a ladder and clock, its name first, then those of L1 and of RMSE, and of S
+/// where the timeline scatters light.
 std::vector<std::vector<std::string>> times_to_errors(const BenchResult& result);
 
 /// "0.21 s", "<= 0.2 s", "not reached".

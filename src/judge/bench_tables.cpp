@@ -86,6 +86,8 @@ Json to_json(const RungResult& result, const BenchResult& all) {
     json["partly"] = result.partly;
     json["timing"] = to_json(result.timing);
     json["errors"] = to_json(result.judged.errors);
+    if (all.reference && all.reference->scattered)
+        json["scattered"] = result.scattered ? to_json(*result.scattered) : Json(nullptr);
     return json;
 }
 
@@ -137,13 +139,15 @@ std::string bench_csv(const BenchResult& result) {
         "up_s,"
         "peak_memory,repeats,same_bits,l1,l1_inside,rmse,rmse_less_noise,block_rmse,block_rmse_less_noise,"
         "bias,"
-        "energy,flip,flicker,flicker_less_noise,compared,non_finite,failure\n";
+        "energy,flip,flicker,flicker_less_noise,compared,non_finite,s_l1,s_rmse,s_rmse_less_noise,s_"
+        "block_rmse_less_noise,"
+        "s_bias,s_flicker,s_flicker_less_noise,failure\n";
     for (const RungResult& rung : result.rungs) {
         const Ladder& ladder = result.ladders[rung.rung.ladder];
         text += quoted(rung.rung.name) + "," + ladder.method + "," + quoted(ladder.key) + "," +
                 quoted(rung.rung.value);
         if (!rung.failure.empty()) {
-            text += std::string(25, ',') + quoted(rung.failure) + "\n";
+            text += std::string(32, ',') + quoted(rung.failure) + "\n";
             continue;
         }
         const Timing& t = rung.timing;
@@ -157,7 +161,15 @@ std::string bench_csv(const BenchResult& result) {
                                    e.block_rmse_less_noise, e.bias, e.energy, e.flip})
             text += "," + number(value);
         text += "," + number(e.flicker) + "," + number(e.flicker_less_noise) + "," + number(e.compared) +
-                "," + std::to_string(t.non_finite) + ",\n";
+                "," + std::to_string(t.non_finite);
+        if (rung.scattered) {
+            const ClipErrors& s = *rung.scattered;
+            for (const double value : {s.l1, s.rmse, s.rmse_less_noise, s.block_rmse_less_noise, s.bias})
+                text += "," + number(value);
+            text += "," + number(s.flicker) + "," + number(s.flicker_less_noise) + ",\n";
+        } else {
+            text += std::string(8, ',') + "\n";
+        }
     }
     return text;
 }
@@ -184,6 +196,10 @@ std::string bench_json(const BenchResult& result) {
                              {"wall_s", r.wall_s},
                              {"cpu_s", r.cpu_s},
                              {"partly", r.partly}};
+        if (r.scattered)
+            json["reference"]["scattered"] = {{"mean", r.scattered->mean},
+                                              {"noise_rmse", to_json(r.scattered->rmse)},
+                                              {"noise_l1", to_json(r.scattered->l1)}};
         json["exposures"] = {{"start", result.exposures.start},
                              {"stop", result.exposures.stop},
                              {"count", result.exposures.count}};
@@ -193,9 +209,11 @@ std::string bench_json(const BenchResult& result) {
             for (const double error : kErrorsOfInterest) {
                 Json entry = {{"error", error}};
                 for (const Clock clock : {Clock::wall, Clock::cpu}) {
-                    entry[clock == Clock::wall ? "wall" : "cpu"] = {
-                        {"l1_inside", to_json(time_to_l1(result, i, clock, error))},
-                        {"rmse_less_noise", to_json(time_to_rmse(result, i, clock, error))}};
+                    Json& times_of_clock = entry[clock == Clock::wall ? "wall" : "cpu"];
+                    times_of_clock = {{"l1_inside", to_json(time_to_l1(result, i, clock, error))},
+                                      {"rmse_less_noise", to_json(time_to_rmse(result, i, clock, error))}};
+                    if (r.scattered)
+                        times_of_clock["scattered_l1"] = to_json(time_to_scattered(result, i, clock, error));
                 }
                 times.push_back(std::move(entry));
             }
@@ -230,6 +248,8 @@ std::string bench_text(const BenchResult& result) {
     if (result.reference) {
         std::vector<Row> rows = {{"run", "s a frame", "least", "most", "CPU s", "MiB", "L1 %", "inside %",
                                   "RMSE %", "4x4 %", "bias %", "energy %", "FLIP", "flicker"}};
+        const bool scatters = result.reference->scattered.has_value();
+        if (scatters) rows[0].insert(rows[0].end(), {"S: L1 %", "RMSE %"});
         for (const RungResult& rung : result.rungs) {
             if (!rung.failure.empty()) {
                 rows.push_back({rung.rung.name, "failed"});
@@ -244,14 +264,22 @@ std::string bench_text(const BenchResult& result) {
                             percent(e.block_rmse_less_noise), percent(e.bias), percent(e.energy),
                             formatted("%.4f", e.flip),
                             e.flicker ? formatted("%.2e", e.flicker_less_noise.value_or(*e.flicker)) : "-"});
+            if (!scatters) continue;
+            const std::optional<ClipErrors>& s = rung.scattered;
+            rows.back().push_back(s ? percent(s->l1) : "-");
+            rows.back().push_back(s ? percent(s->rmse_less_noise) : "-");
         }
         text += aligned(rows);
         const ReferenceNoise& noise = result.reference->noise;
         if (noise.rmse)
             text += "reference: noise " + percent(*noise.rmse) + " % (RMSE), " + percent(*noise.l1) +
                     " % (L1); " + formatted("%.1f s a frame\n", result.reference->wall_s);
+        if (scatters && result.reference->scattered->rmse)
+            text += "scattered light: noise " + percent(*result.reference->scattered->rmse) + " % (RMSE), " +
+                    percent(*result.reference->scattered->l1) + " % (L1)\n";
         rows = times_to_errors(result);
         rows.insert(rows.begin(), {"time of a frame to", "L1 5 %", "2 %", "1 %", "RMSE 5 %", "2 %", "1 %"});
+        if (scatters) rows[0].insert(rows[0].end(), {"S: L1 5 %", "2 %", "1 %"});
         text += "\n" + aligned(rows);
     }
     std::size_t verdicts = 0, counts[3] = {};

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -29,6 +30,8 @@ std::vector<std::string> small_bench(const std::string& folder, int repeats) {
             "clip.resolution=[32, 18]",
             "--set",
             "clip.samples=1",
+            "--methods",
+            "sliced_beams,photon_splatting",
             "--ladder",
             "sliced_beams:water.mesh_cells=16,48",
             "--ladder",
@@ -86,7 +89,10 @@ TEST(Bench, TwiceFindsTheSameErrors) {
     EXPECT_THAT(again.output, HasSubstr("2 repeats kept"));
     EXPECT_EQ(report_of(scratch / "a").at("runs"), report.at("runs"));
 
-    // Another job: times of the old one are not trusted. One rung, and a reference as coarse as can be.
+    EXPECT_FALSE(report.at("reference").contains("scattered")) << "the water is clear";
+
+    // Another job: times of the old one are not trusted. One rung, and a reference as coarse as can be, of
+    // water that scatters light.
     const Outcome anew = run_dapple(scratch, {"bench",
                                               kSmall,
                                               "-o",
@@ -96,7 +102,7 @@ TEST(Bench, TwiceFindsTheSameErrors) {
                                               "--set",
                                               "clip.samples=1",
                                               "--set",
-                                              "clip.seed=5",
+                                              "water.scattering=[0.1, 0.1, 0.1]",
                                               "--ladder",
                                               "sliced_beams:water.mesh_cells=16",
                                               "--methods",
@@ -109,6 +115,13 @@ TEST(Bench, TwiceFindsTheSameErrors) {
                                               "1"});
     ASSERT_EQ(anew.code, 0) << anew.output;
     EXPECT_EQ(anew.output.find("repeats kept"), std::string::npos) << anew.output;
+    const Json murky = report_of(scratch / "a");
+    EXPECT_GT(murky.at("reference").at("scattered").at("mean"), 0);
+    EXPECT_GT(murky.at("reference").at("scattered").at("noise_rmse"), 0);
+    // 16 cells over 4 m and a reference that may be off by its own size: about right is all that can be told.
+    EXPECT_GT(murky.at("runs")[0].at("scattered").at("l1"), 0);
+    EXPECT_LT(std::abs(murky.at("runs")[0].at("scattered").at("bias").get<double>()), 0.5);
+    EXPECT_THAT(file_text(scratch / "a/index.html"), HasSubstr("Relative L1 of scattered light"));
 }
 
 TEST(Bench, GoesOnAfterAnInterruption) {
@@ -147,7 +160,7 @@ TEST(Bench, GivesAVerdictOnEveryHardCase) {
     const Json cases = report_of(scratch / "out").at("hard_cases");
     ASSERT_THAT(cases, SizeIs(2));
     for (const Json& hard : cases) {
-        ASSERT_THAT(hard.at("verdicts"), SizeIs(2));
+        ASSERT_THAT(hard.at("verdicts"), SizeIs(3)) << "a method each, but for the reference";
         for (const Json& verdict : hard.at("verdicts")) EXPECT_EQ(verdict.at("verdict"), "holds") << verdict;
     }
     EXPECT_EQ(cases[0].at("verdicts")[0].at("exit_code"), 0);

@@ -25,6 +25,8 @@ struct Shown {
     float light = 1;       ///< E, and R, G, B
     float variance = 0;    ///< of E's channels
     int columns = kWidth;  ///< so many are covered, from the left
+    float scattered = 0;   ///< S, in all columns; 0: there is no such layer
+    float scattered_variance = 0;
 };
 
 image::Image picture_of(const Shown& shown) {
@@ -44,6 +46,12 @@ image::Image picture_of(const Shown& shown) {
         add(c, in_columns(shown.light));
         add(std::string("E.") + c, in_columns(shown.light));
         add(std::string("E.variance.") + c, in_columns(shown.variance));
+    }
+    if (shown.scattered > 0) {
+        for (const char* c : {"R", "G", "B"}) {
+            add(std::string("volume_caustics.") + c, [&](int, int) { return shown.scattered; });
+            add(std::string("S.variance.") + c, [&](int, int) { return shown.scattered_variance; });
+        }
     }
     // A floor, seen from above.
     for (const char* c : {"X", "Y", "Z"}) {
@@ -126,6 +134,25 @@ TEST_F(ErrorJudgeTest, TheReferencesNoiseIsTakenOff) {
     EXPECT_NEAR(*judge.noise().rmse, 0.2, 1e-6);
     EXPECT_NEAR(judge.judge(clip("far", {{.light = 1.25f}})).errors.rmse_less_noise, 0.15, 1e-6);
     EXPECT_EQ(judge.judge(clip("near", {{.light = 1.1f}})).errors.rmse_less_noise, 0);
+}
+
+TEST_F(ErrorJudgeTest, ScatteredLightIsOfAllPixelsAndHasANoiseOfItsOwn) {
+    // Two of eight columns see a receiver, and none of that light is right.
+    const Shown truth{.light = 1, .columns = 2, .scattered = 1, .scattered_variance = 0.04f};
+    const run::OutputPaths reference = clip("reference", {truth});
+    const ErrorJudge judge(reference, {1}, kScatteredLayer, 1);
+    EXPECT_EQ(judge.noise().pixels, kWidth * kHeight);
+    EXPECT_NEAR(judge.noise().mean, 1, 1e-6);
+    ASSERT_TRUE(judge.noise().rmse);
+    EXPECT_NEAR(*judge.noise().rmse, 0.2, 1e-6);
+    const run::OutputPaths run = clip("run", {{.light = 3, .columns = 4, .scattered = 1.25f}});
+    const ClipErrors errors = judge.judge(run).errors;
+    EXPECT_NEAR(errors.l1, 0.25, 1e-6);
+    EXPECT_NEAR(errors.bias, 0.25, 1e-6);
+    EXPECT_NEAR(errors.rmse_less_noise, 0.15, 1e-6);
+    EXPECT_EQ(errors.compared, 1);
+    EXPECT_TRUE(has_layer(run, 1, kScatteredLayer));
+    EXPECT_FALSE(has_layer(clip("clear", {{}}), 1, kScatteredLayer));
 }
 
 TEST_F(ErrorJudgeTest, ASumOverFewCoveredPixelsMayBeOffByMore) {

@@ -102,7 +102,7 @@ TEST(Plan, GivesKeysToTheMethodsThatKnowThem) {
         EXPECT_EQ(state.caustics.method, plan.ladders[rung.ladder].method);
         const bool beams = state.caustics.method == "sliced_beams";
         EXPECT_EQ(state.caustics.sliced_beams.sun_samples, beams ? 3 : 1);
-        if (!beams) {
+        if (state.caustics.method == "photon_splatting") {
             EXPECT_EQ(state.caustics.photon_splatting.map_resolution, 64);
         }
     }
@@ -293,8 +293,42 @@ std::size_t count(const std::string& text, const std::string& part) {
     return times;
 }
 
+/// The same of a timeline that scatters light; the second rung's method has none of it.
+BenchResult made_up_scattering() {
+    BenchResult result = made_up_result();
+    result.reference->scattered = ReferenceNoise{2, 400, 0.03, 0.024};
+    ClipErrors& errors = result.rungs[0].scattered.emplace();
+    errors.l1 = 0.0123;
+    errors.rmse_less_noise = 0.0345;
+    return result;
+}
+
+TEST(Report, TellsErrorsOfScatteredLightWhereThereIsAny) {
+    const std::string clear = bench_html(made_up_result());
+    EXPECT_THAT(clear, testing::Not(HasSubstr("Scattered light")));
+    EXPECT_THAT(bench_text(made_up_result()), testing::Not(HasSubstr("S: L1")));
+    const BenchResult result = made_up_scattering();
+    const std::string html = bench_html(result);
+    for (const char* text : {"Scattered light", "Relative L1 of scattered light", "S: L1 5 %", "none"})
+        EXPECT_THAT(html, HasSubstr(text));
+    EXPECT_EQ(count(html, "<svg"), count(clear, "<svg") + 2);
+    EXPECT_THAT(bench_text(result), HasSubstr("scattered light: noise 3"));
+    const auto json = nlohmann::json::parse(bench_json(result));
+    EXPECT_EQ(json.at("runs")[0].at("scattered").at("l1"), 0.0123);
+    EXPECT_TRUE(json.at("runs")[1].at("scattered").is_null());
+    EXPECT_EQ(json.at("reference").at("scattered").at("noise_rmse"), 0.03);
+    // 1.23 % in a second, by its only rung.
+    const auto& times = json.at("ladders")[0].at("time_to_error");
+    EXPECT_EQ(times[1].at("wall").at("scattered_l1").at("state"), "at_most");
+    EXPECT_EQ(times[2].at("wall").at("scattered_l1").at("state"), "not_reached");
+    EXPECT_FALSE(nlohmann::json::parse(bench_json(made_up_result())).at("reference").contains("scattered"));
+    const std::string csv = bench_csv(result);
+    EXPECT_THAT(csv, HasSubstr(",0.0123,"));
+    EXPECT_EQ(count(csv, ","), count(bench_csv(made_up_result()), ","));
+}
+
 TEST(Report, EveryRowHasAsManyCellsAsItsHead) {
-    const std::string html = bench_html(made_up_result());
+    const std::string html = bench_html(made_up_scattering());
     std::size_t tables = 0, rows = 0;
     for (std::size_t at = html.find("<table"); at != std::string::npos; at = html.find("<table", at + 1)) {
         const std::string table = html.substr(at, html.find("</table>", at) - at);
@@ -307,7 +341,7 @@ TEST(Report, EveryRowHasAsManyCellsAsItsHead) {
         }
         ++tables;
     }
-    EXPECT_EQ(tables, 6u);
+    EXPECT_EQ(tables, 7u);
     EXPECT_GT(rows, 8u);
 }
 
