@@ -57,10 +57,10 @@ std::unique_ptr<scene::FrameScene> in_the_sun(const scene::Object& body, double 
 }
 
 /// The pool over a floor 2 m down, in the sun.
-std::unique_ptr<scene::FrameScene> pool_in_the_sun(double amplitude, double elevation) {
+std::unique_ptr<scene::FrameScene> pool_in_the_sun(double amplitude, double elevation, int cells = 64) {
     auto scene = in_the_sun(test::floor_at(-2, 40), -2, elevation);
     scene->state.objects.pop_back();
-    test::add_water(*scene, amplitude);
+    test::add_water(*scene, amplitude, cells);
     return scene;
 }
 
@@ -120,6 +120,32 @@ TEST(AdaptiveLight, FluxesAddUpOverWaves) {
     // Sets are within their cones, and beams have flux.
     for (const BeamSet& set : made.sets)
         for (const glm::vec3& flux : set.flux) EXPECT_GE(std::min({flux.x, flux.y, flux.z}), 0);
+}
+
+TEST(AdaptiveLight, LampsSendWhatTheBeamsOfTheMeshDo) {
+    // Above the water, so near that a cube of views is needed, and under it, where light is reflected
+    // totally.
+    for (const glm::dvec3 position : {glm::dvec3(0.5, 1, -0.3), {0.1, 0.3, 0}, {0.2, -1, 0.1}}) {
+        const auto pool = pool_in_the_sun(0.003, 60, position.y < 0 ? 512 : 64);
+        scene::Light& lamp = pool->state.lights[0];
+        lamp.type = scene::LightType::point;
+        lamp.position = position;
+        // Light of a lamp under water that is mirrored meets the floor, and that which leaves it a ceiling.
+        pool->state.objects.push_back(test::floor_at(6, 400));
+        const rays::RayScene rays(*pool);
+        for (const Event event : {kT, kR}) {
+            const Made made(*pool, {{0, event}});
+            FrameStats stats;
+            double expected = 0;
+            for (const auto& sheet : light::water_beams<double>(*pool, rays, {0, event}, 1, stats))
+                for (const double flux : sheet.flux) expected += flux * test::mean(sheet.color);
+            // Shares are means of the three corners' in the mesh as in the grid. For the lamp under water the
+            // mesh leaves out whole triangles at the critical angle, 1.1 m away: 8 mm wide, half of them lit.
+            const bool below = position.y < 0;
+            EXPECT_NEAR(made.first_legs() / expected, 1, below ? 7e-3 : 3e-3) << position.y;
+            EXPECT_EQ(made.sets.at(0).in_water, below == (event == kR));
+        }
+    }
 }
 
 TEST(AdaptiveLight, FluxesAddUpThroughABall) {
