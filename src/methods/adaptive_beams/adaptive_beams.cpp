@@ -12,6 +12,7 @@ namespace dapple::methods {
 using adaptive_beams::BeamRenderer;
 using adaptive_beams::BeamSet;
 using adaptive_beams::BeamSums;
+using adaptive_beams::Shading;
 using adaptive_beams::VolumeKind;
 
 namespace {
@@ -78,7 +79,10 @@ void AdaptiveBeams::begin(FrameContext& context) {
     s.expected = nullptr;
     s.beams = adaptive_beams::make_beams(context);
     if (!s.renderer) s.renderer.emplace(context.device);
-    s.renderer->begin(context.scene, s.beams, VolumeKind::six_triangles, context.stats);
+    s.renderer->begin(
+        context.scene, s.beams, VolumeKind::six_triangles,
+        context.scene.state.caustics.adaptive_beams.paper_faithful ? Shading::paper : Shading::exact,
+        context.stats);
 }
 
 void AdaptiveBeams::expect(const view::ReceiverLayer& layer) {

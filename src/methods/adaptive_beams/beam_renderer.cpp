@@ -7,13 +7,18 @@
 #include "base/parallel.h"
 #include "gpu/pass_list.h"
 #include "layout/beam_volume.h"
+#include "layout/paper_beam.h"
 #include "media/phase.h"
 #include "methods/adaptive_beams/drawn_beams.h"
+#include "methods/adaptive_beams/paper_beams.h"
 #include "spirv/adaptive_beams_beam_lobes_frag.h"
 #include "spirv/adaptive_beams_beam_lobes_listed_frag.h"
 #include "spirv/adaptive_beams_beam_table_frag.h"
 #include "spirv/adaptive_beams_beam_table_listed_frag.h"
 #include "spirv/adaptive_beams_beam_vert.h"
+#include "spirv/adaptive_beams_paper_lobes_frag.h"
+#include "spirv/adaptive_beams_paper_table_frag.h"
+#include "spirv/adaptive_beams_paper_vert.h"
 #include "view/camera.h"
 
 namespace dapple::methods::adaptive_beams {
@@ -23,6 +28,7 @@ using layout::BeamFrame;
 using layout::BeamPush;
 static_assert(sizeof(layout::DrawnBeam) == 168);
 static_assert(sizeof(layout::TurningArea) == 16);
+static_assert(sizeof(layout::PaperBeam) == 124);
 static_assert(sizeof(BeamPush) == 120);
 static_assert(sizeof(BeamFrame) == 36);
 
@@ -79,7 +85,11 @@ struct BeamRenderer::State {
                     {{d, "beams, tabulated phase", adaptive_beams_beam_vert, adaptive_beams_beam_table_frag,
                       description()},
                      {d, "beams with turning areas, tabulated phase", adaptive_beams_beam_vert,
-                      adaptive_beams_beam_table_listed_frag, description()}}} {}
+                      adaptive_beams_beam_table_listed_frag, description()}}},
+          paper{{d, "beams of the paper", adaptive_beams_paper_vert, adaptive_beams_paper_lobes_frag,
+                 description()},
+                {d, "beams of the paper, tabulated phase", adaptive_beams_paper_vert,
+                 adaptive_beams_paper_table_frag, description()}} {}
 
     BeamPush push(const BeamSet& set, glm::dvec2 offset) const;
     void write_pixels(const view::SegmentLayer* segments, const view::ReceiverLayer* receivers,
@@ -87,6 +97,8 @@ struct BeamRenderer::State {
 
     gpu::Device& device;
     gpu::RasterPipeline pipelines[2][2];  ///< phase function tabulated, beams with listed triangles
+    gpu::RasterPipeline paper[2];
+    Shading shading = Shading::exact;
     const scene::FrameScene* scene = nullptr;
     std::optional<view::Camera> camera;
     std::vector<SetOnDevice> sets;
@@ -97,24 +109,29 @@ BeamRenderer::BeamRenderer(gpu::Device& device) : state_(std::make_unique<State>
 BeamRenderer::~BeamRenderer() = default;
 
 void BeamRenderer::begin(const scene::FrameScene& scene, std::span<const BeamSet> sets, VolumeKind volumes,
-                         FrameStats& stats) {
+                         Shading shading, FrameStats& stats) {
     const ScopedPass pass(stats, "beam volumes");
     State& s = *state_;
     s.scene = &scene;
+    s.shading = shading;
     s.camera.emplace(scene.state.camera, scene.state.clip.width, scene.state.clip.height);
     s.sets.clear();
-    std::size_t beams = 0, prisms = 0, turning = 0;
+    std::size_t beams = 0, prisms = 0, turning = 0, lost = 0;
     for (const BeamSet& set : sets) {
         if (set.triangles.empty()) continue;
         const DrawnBeams drawn = drawn_beams(set, *s.camera, scene.origin, volumes);
         beams += drawn.beams.size();
         prisms += drawn.prisms;
         turning += drawn.beams.size() - drawn.plain;
+        const PaperBeams in_paper = shading == Shading::paper ? paper_beams(set) : PaperBeams{};
+        lost += in_paper.lost;
         const auto faces = drawn.indices.begin();
         const auto split = faces + static_cast<std::ptrdiff_t>(kIndicesABeam * drawn.plain);
         const glm::mat3 axes(set.world_from_mesh);
         s.sets.push_back(
-            {set, filled_buffer(s.device, "beams", drawn.beams),
+            {set,
+             shading == Shading::paper ? filled_buffer(s.device, "beams of the paper", in_paper.beams)
+                                       : filled_buffer(s.device, "beams", drawn.beams),
              filled_buffer(s.device, "corners of beams", drawn.corners),
              filled_buffer(s.device, "turning areas", drawn.turning),
              filled_buffer(s.device, "faces of beams", std::vector<std::uint32_t>(faces, split)),
@@ -134,6 +151,7 @@ void BeamRenderer::begin(const scene::FrameScene& scene, std::span<const BeamSet
     s.phase_table.emplace(filled_buffer(s.device, "phase function", table));
     stats.count("beams drawn", static_cast<double>(beams));
     stats.count("beams in a prism", static_cast<double>(prisms));
+    if (lost > 0) stats.count("beams lost to grazing triangles", static_cast<double>(lost));
     stats.count("beams with turning areas", static_cast<double>(turning));
 }
 
@@ -236,8 +254,10 @@ BeamSums BeamRenderer::render(const view::SegmentLayer* segments, const view::Re
                 .buffers = {&set.beams, &set.corners, &set.turning, &*s.phase_table, &set.frame},
                 .images = {&pixels, &normals}};
             bindings.set_push(s.push(set.set, offset));
-            passes.draw("beam raster", s.pipelines[tabulated ? 1 : 0][listed ? 1 : 0], std::move(bindings),
-                        targets,
+            const gpu::RasterPipeline& pipeline = s.shading == Shading::paper
+                                                      ? s.paper[tabulated ? 1 : 0]
+                                                      : s.pipelines[tabulated ? 1 : 0][listed ? 1 : 0];
+            passes.draw("beam raster", pipeline, std::move(bindings), targets,
                         {.vertices = static_cast<std::uint32_t>(indices.bytes() / sizeof(std::uint32_t)),
                          .index_buffer = &indices});
             targets.clear = false;

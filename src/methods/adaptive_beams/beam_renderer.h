@@ -13,6 +13,12 @@
 
 namespace dapple::methods::adaptive_beams {
 
+/// How beams are shaded.
+enum class Shading {
+    exact,  ///< exact intervals along rays, densities continuous from beam to beam
+    paper,  ///< as Liktor and Dachsbacher 2011, section 5
+};
+
 /// Sums of one layer, a value a pixel.
 struct BeamSums {
     std::vector<glm::vec3> scattered;   ///< W/m^2/sr: S of the pixel's primary segment
@@ -29,7 +35,7 @@ public:
 
     /// A frame's beams, before its layers. The scene must outlive them.
     void begin(const scene::FrameScene& scene, std::span<const BeamSet> sets, VolumeKind volumes,
-               FrameStats& stats);
+               Shading shading, FrameStats& stats);
     /// E and S of a layer: of `segments` those that are primary, of `receivers` those that the camera sees
     /// neither through nor by a specular surface; either may be null. They are of one sample and have the
     /// size of the clip's pictures.

@@ -1,5 +1,6 @@
 // drawn: E and S of 240 x 135 pixels under water in a pool of 5 m x 5 m, 2 m deep, by rasterised beams.
-// Arguments: triangles of the water, in thousands about; the kind of volume (0: prism, 1: six triangles).
+// Arguments: triangles of the water, in thousands about; the kind of volume (0: prism, 1: six triangles); the
+// shading (0: exact, 1: as in the paper).
 // raw_fill: the same volumes, a constant added into the same two targets. ns_a_fragment is device time, cpu_s
 // process CPU time of all threads.
 #include <benchmark/benchmark.h>
@@ -81,7 +82,7 @@ void drawn(benchmark::State& state) {
     const view::ReceiverLayer receivers = view::trace_layer(scene, rays, {}, layer_counts, &segments);
     BeamRenderer renderer(shared_device());
     FrameStats warm;
-    renderer.begin(scene, sets, kind_of(state), warm);
+    renderer.begin(scene, sets, kind_of(state), state.range(2) == 0 ? Shading::exact : Shading::paper, warm);
     renderer.render(&segments, &receivers, warm);
     FrameStats stats;
     const double cpu = cpu_seconds();
@@ -140,7 +141,11 @@ void raw_fill(benchmark::State& state) {
 }
 
 void arguments(benchmark::internal::Benchmark* all) {
-    all->ArgNames({"thousand", "six"})->Args({5, 1})->Args({5, 0})->Args({20, 1});
+    all->ArgNames({"thousand", "six", "paper"})
+        ->Args({5, 1, 0})
+        ->Args({5, 0, 0})
+        ->Args({5, 1, 1})
+        ->Args({20, 1, 0});
     all->MeasureProcessCPUTime()->UseRealTime()->Unit(benchmark::kMillisecond);
 }
 BENCHMARK(drawn)->Apply(arguments);
