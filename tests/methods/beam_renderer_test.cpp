@@ -199,9 +199,9 @@ TEST(Seams, BetweenBeamsAreNotSeen) {
     scene::FrameScene scene = wavy_scene(100, 0.004);
     scene.state.clip.width = 512;
     scene.state.clip.height = 1;
-    scene.state.camera.field_of_view = 0.06 * scene::kDegree;  // of the height, a 512th of the width
+    scene.state.camera.field_of_view = 0.04 * scene::kDegree;  // of the height, a 512th of the width
     const rays::RayScene rays(scene);
-    // Beams of 6 cm are some 30 pixels wide.
+    // Beams of 6 cm are some 45 pixels wide.
     const Drawn drawn = draw(scene, test::drawn_sheets(scene, rays, kFloor));
     scene.state.camera.target = scene.state.camera.position + glm::dvec3(0.6, -1, 0.1);
     const Drawn floor = draw(scene, test::drawn_sheets(scene, rays, kFloor));
