@@ -70,8 +70,8 @@ bool is_lobes(scene::PhaseType type) {
 /// Mean cosines of two lobes and the first one's share; for other functions nothing of use.
 glm::vec3 lobes(const scene::PhaseFunction& phase) {
     if (phase.type == scene::PhaseType::isotropic) return {0, 0, 1};
-    if (phase.type == scene::PhaseType::henyey_greenstein) return {phase.anisotropy, 0, 1};
-    return {phase.anisotropy, phase.back_anisotropy, phase.forward_share};
+    if (phase.type == scene::PhaseType::henyey_greenstein) return glm::dvec3(phase.anisotropy, 0, 1);
+    return glm::dvec3(phase.anisotropy, phase.back_anisotropy, phase.forward_share);
 }
 
 }  // namespace

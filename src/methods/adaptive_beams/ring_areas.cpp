@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "base/parallel.h"
 
@@ -71,7 +72,7 @@ RingAreas::RingAreas(const BeamSet& set)
     parallel_for(set.vertices.size(), kTile, [&](std::size_t begin, std::size_t end) {
         std::vector<std::uint32_t>& list = listed[begin / kTile];
         for (std::size_t v = begin; v < end; ++v) {
-            double from = INFINITY, to = -INFINITY;
+            double from = std::numeric_limits<double>::infinity(), to = -from;
             const auto visit = [&](auto&& body) {
                 for (std::uint32_t i = rings.first[v]; i < rings.first[v + 1]; ++i) body(rings.triangle[i]);
             };
