@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "methods/reference/water_rays.h"
 #include "rays/shape_mesh.h"
 #include "scene/transform.h"
 
@@ -33,7 +34,7 @@ Range ratio_over_ellipsoid(double a0, const glm::dvec3& a, double b0, const glm:
 }  // namespace
 
 GlassBodies::GlassBodies(const scene::FrameScene& scene)
-    : scene_(scene), geometry_(scene), outlines_(scene.state.objects.size()) {
+    : scene_(scene), geometry_(scene), bodies_(scene), outlines_(scene.state.objects.size()) {
     for (std::size_t i = 0; i < outlines_.size(); ++i) {
         const scene::Object& object = scene.state.objects[i];
         if (!object.material.glass) continue;
@@ -70,6 +71,11 @@ GlassBodies::GlassBodies(const scene::FrameScene& scene)
         for (const glm::dvec3& corner : outline.corners)
             outline.radius = std::max(outline.radius, length(corner - outline.middle));
     }
+}
+
+bool GlassBodies::replace_water(const glm::dvec3& position, const glm::dvec3& normal) const {
+    const glm::dvec3 off = face_margin(position) * normal;
+    return bodies_.at(position - off) != view::kNoBody || bodies_.at(position + off) != view::kNoBody;
 }
 
 glm::dvec3 GlassBodies::through(std::uint32_t object, double distance) const {

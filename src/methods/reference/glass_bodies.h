@@ -5,6 +5,7 @@
 
 #include "rays/ray_scene.h"
 #include "scene/frame_scene.h"
+#include "view/glass_bodies.h"
 #include "view/surface_point.h"
 
 namespace dapple::reference {
@@ -29,6 +30,9 @@ public:
     double index(std::uint32_t object) const {
         return scene_.state.objects[object].material.refractive_index;
     }
+    /// Whether a point of the water's surface, with its unit normal, lies in a body or on a face of one,
+    /// where there is no surface of the water.
+    bool replace_water(const glm::dvec3& position, const glm::dvec3& normal) const;
     /// What is left of light after a way inside.
     glm::dvec3 through(std::uint32_t object, double distance) const;
 
@@ -58,6 +62,7 @@ private:
 
     const scene::FrameScene& scene_;
     view::SurfaceGeometry geometry_;
+    view::GlassBodies bodies_;
     std::vector<Outline> outlines_;  ///< an object; empty for those that are not of glass
     bool any_ = false;
 };

@@ -145,7 +145,8 @@ std::vector<GlassIncoming> GlassLight::shine(const LightPass& pass, std::size_t 
 void GlassLight::remove_hidden(std::vector<GlassIncoming>& incoming) const {
     // No light crosses the rest plane of open water outside the rectangle.
     std::erase_if(incoming, [&](const GlassIncoming& lit) {
-        const glm::dvec3& position = lit.point.position;
+        const glm::dvec3 position =
+            lit.point.position - face_margin(lit.point.position) * lit.direction;  // before the face
         return !lit.inside && water_.beyond_rectangle(position) &&
                water_.in_water(position) != lamp_in_water_;
     });
@@ -171,7 +172,8 @@ void GlassLight::remove_hidden(std::vector<GlassIncoming>& incoming) const {
     traced.clear();
     for (const GlassIncoming& lit : incoming) {
         const float far = lit.inside ? 0 : static_cast<float>(lit.distance);
-        traced.push_back(float_ray(lit.point.position, -lit.direction, 0, far));
+        const double near = face_margin(lit.point.position);
+        traced.push_back(float_ray(lit.point.position, -lit.direction, near, far));
     }
     std::vector<rays::Hit> hits(traced.size());
     water_.intersect(traced, hits);

@@ -9,10 +9,11 @@
 
 namespace dapple::reference {
 Lamp::Lamp(const scene::FrameScene& scene, const rays::RayScene& rays, const WaterRays& water,
-           const OwnMedia& media, std::uint32_t index)
+           const GlassBodies& glass, const OwnMedia& media, std::uint32_t index)
     : scene_(scene),
       rays_(rays),
       water_(water),
+      glass_(glass),
       media_(media),
       light_(scene.state.lights[index]),
       samples_(scene, index, light::kWater) {
@@ -158,6 +159,12 @@ void Lamp::remove_hidden(std::vector<Incoming>& incoming) const {
         }
         incoming.resize(kept);
     }
+    // Last of what asks objects: most points within glass are in its shadow. Lamps in it have their own
+    // source.
+    if (glass_.any())
+        std::erase_if(incoming, [&](const Incoming& light) {
+            return glass_.replace_water(light.point.position, normalize(light.point.area));
+        });
     if (!waves_may_shadow_) return;
     to_light.clear();
     std::vector<std::size_t> tested;

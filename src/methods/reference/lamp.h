@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "methods/reference/glass_bodies.h"
 #include "methods/reference/light_samples.h"
 #include "methods/reference/own_media.h"
 #include "methods/reference/water_rays.h"
@@ -36,7 +37,7 @@ class Lamp {
 public:
     /// All arguments outlive the lamp. `index` into FrameState::lights.
     Lamp(const scene::FrameScene& scene, const rays::RayScene& rays, const WaterRays& water,
-         const OwnMedia& media, std::uint32_t index);
+         const GlassBodies& glass, const OwnMedia& media, std::uint32_t index);
 
     /// Radians above the horizon (below, for a lamp in the water) from which the light comes at least.
     double lowest_elevation() const;
@@ -48,7 +49,8 @@ public:
 
     /// Strata of a pass: those asked for, or a few more.
     std::size_t strata(const LightPass& pass) const;
-    /// What comes to the water in strata [begin, end), without what objects or waves hide.
+    /// What comes to the water in strata [begin, end), without what objects or waves hide, or meets glass
+    /// there.
     std::vector<Incoming> shine(const LightPass& pass, std::size_t begin, std::size_t end,
                                 MediaProbe& probe) const;
 
@@ -64,6 +66,7 @@ private:
     const scene::FrameScene& scene_;
     const rays::RayScene& rays_;
     const WaterRays& water_;
+    const GlassBodies& glass_;
     const OwnMedia& media_;
     const scene::Light& light_;
     LightSamples samples_;

@@ -37,7 +37,7 @@ LightTracer::LightTracer(const scene::FrameScene& scene, const rays::RayScene& r
         });
         if (source == sources_.end()) {
             if (chain.object == light::kWater)
-                sources_.push_back({Lamp(scene, rays, water_, media_, light), light, chain.object});
+                sources_.push_back({Lamp(scene, rays, water_, glass_, media_, light), light, chain.object});
             else
                 sources_.push_back(
                     {GlassLight(scene, rays, water_, glass_, light, static_cast<std::uint32_t>(chain.object)),
@@ -193,7 +193,7 @@ void LightTracer::follow(std::vector<LightRay> rays, Work& work) const {
                 if (rays[i].left_water && !water_.may_return(rays[i].direction)) continue;
                 traced[count] = traced[i];
                 traced[count].near = static_cast<float>(rays[i].clear);
-                traced[count++].far = objects[i].distance;
+                traced[count++].far = water_before(rays[i], objects[i]);
                 tested.push_back(i);
             }
             water_hits.resize(count);
@@ -213,6 +213,13 @@ void LightTracer::follow(std::vector<LightRay> rays, Work& work) const {
         }
         rays.swap(work.next);
     }
+}
+
+/// Along a ray that hit `object`, or nothing, how far it may meet the water, m.
+float LightTracer::water_before(const LightRay& ray, const rays::Hit& object) const {
+    if (object.primitive == rays::kNoHit || !glass_.is_glass(object.object)) return object.distance;
+    const auto distance = static_cast<double>(object.distance);
+    return static_cast<float>(distance - face_margin(ray.position + distance * ray.direction));
 }
 
 /// To the end of its way, which is noted.

@@ -122,6 +122,7 @@ private:
     void start(const Source& source, LightRay ray, const glm::dvec3& power, const Meet& interface,
                Work& work) const;
     void follow(std::vector<LightRay> rays, Work& work) const;
+    float water_before(const LightRay& ray, const rays::Hit& object) const;
     void go(LightRay& ray, double distance, Work& work) const;
     void arrive(LightRay ray, const rays::Hit& hit, Work& work) const;
     void meet_glass(LightRay ray, const rays::Hit& hit, Work& work) const;

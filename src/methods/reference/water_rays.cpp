@@ -11,6 +11,10 @@ double rounding_of(const glm::dvec3& position) {
     return 0x1p-20 * (1 + std::max({size.x, size.y, size.z}));
 }
 
+double face_margin(const glm::dvec3& position) {
+    return 2 * rounding_of(position);
+}
+
 rays::Ray float_ray(const glm::dvec3& origin, const glm::dvec3& direction, double near, float far) {
     rays::Ray ray;
     ray.origin = glm::vec3(origin);

@@ -12,6 +12,9 @@ namespace dapple::reference {
 /// A few roundings of a float position, m.
 double rounding_of(const glm::dvec3& position);
 
+/// Water nearer than this to a face of glass is that face, m: no film of water lies on it.
+double face_margin(const glm::dvec3& position);
+
 /// `direction` as it is, float; `near` and `far` in its lengths.
 rays::Ray float_ray(const glm::dvec3& origin, const glm::dvec3& direction, double near, float far);
 
