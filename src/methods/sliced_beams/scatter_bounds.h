@@ -44,8 +44,7 @@ private:
     struct Node {
         Real low_a, high_a, low_b, high_b;
         Real low_grows_a, high_grows_a, low_grows_b, high_grows_b;
-        Real first_start, last_start;
-        Real stop = -std::numeric_limits<Real>::infinity();  ///< of what is dark
+        Real first_start, last_start, stop;
     };
     struct Slab {
         Real from, to;
@@ -98,8 +97,8 @@ void ScatterBounds<Real>::visit(const SegmentLanes<Real>& s, glm::vec<2, Real> s
             const NodeId id = open.back().node;
             L from = open.back().from, to = open.back().to;
             open.pop_back();
+            if (pyramid_.dark(id)) continue;
             const Node& n = slab.levels[id.level][pyramid_.index(id)];
-            if (n.stop == -std::numeric_limits<Real>::infinity()) continue;
             const L below = s.depth - slab.from;
             // The shift, times the depth from where the rays start.
             const Real start_a = std::max(shift.x * n.first_start, shift.x * n.last_start);
