@@ -23,7 +23,7 @@ void main() {
     flux_start_1 = vec4(beam.flux[1], beam.start.y);
     flux_start_2 = vec4(beam.flux[2], beam.start.z);
     end_steepness = vec4(beam.end, beam.steepness);
-    listed = uvec2(beam.first, beam.last);
+    listed_ends_on = ivec3(int(beam.first), int(beam.last), beam.ends_on);
     vec3 corner = corners[gl_VertexIndex];
     vec2 picture = vec2(textureSize(pixels, 0));
     // Depth is the same everywhere, so that nothing is clipped but what lies behind the camera.

@@ -18,6 +18,7 @@ layout(scalar, binding = 4) readonly buffer Frames { BeamFrame frame; };
 // Length of the primary segment [m], way to the receiver [m], 0: none; whether they are in the water.
 layout(binding = 5) uniform sampler2D pixels;
 layout(binding = 6) uniform sampler2D normals;  // of receivers, world space
+layout(binding = 7) uniform sampler2D faces;    // their geometric normals, and the objects that they are on
 layout(scalar, push_constant) uniform Push { BeamPush push; };
 layout(location = 0) out vec4 scattered;   // W/m^2/sr; and 1, which counts fragments
 layout(location = 1) out vec4 irradiance;  // W/m^2
@@ -53,7 +54,7 @@ void ring_areas(vec3 depth, out vec3 a0, out vec3 a1, out vec3 a2) {
     a1 = abs(vec3(at(area_middle_0.xyz, u.y), at(area_bias_1.xyz, u.y), at(area_cell_2.xyz, u.y)));
     a2 = abs(vec3(at(area_middle_0.xyz, u.z), at(area_bias_1.xyz, u.z), at(area_cell_2.xyz, u.z)));
 #ifdef LISTED
-    for (uint i = listed.x; i < listed.y; ++i) {
+    for (uint i = uint(listed_ends_on.x); i < uint(listed_ends_on.y); ++i) {
         TurningArea one = turning[i];
         vec3 of_corner = vec3(one.corners & 1u, one.corners >> 1 & 1u, one.corners >> 2 & 1u);
         a0 += abs(at(one.area, u.x)) * of_corner;
@@ -84,15 +85,21 @@ vec3 along_light(vec3 share) { return vec3(share.x * ray_0.zw + share.y * ray_1.
 
 vec2 place(vec4 ray, vec3 point) { return ray.xy + ray.zw * point.z - point.xy; }
 
-vec3 lit(vec3 point, vec3 normal) {
+// `face`: as the texels of `faces`.
+vec3 lit(vec3 point, vec3 normal, vec4 face) {
     vec2 p0 = place(ray_0, point), p1 = place(ray_1, point), p2 = place(ray_2, point);
     vec3 w = vec3(side(p1, p2), side(p2, p0), side(p0, p1));
-    vec3 share = barycentric(w);
+    vec3 share = barycentric(w), end = ends();
     float below = point.z - dot(share, starts());
     vec3 light = along_light(share);
-    float facing = -dot(light.x * frame.a + light.y * frame.b + light.z * frame.axis, normal);
-    if (!one_sign(w) || below < -area_bias_1.w || point.z > dot(share, ends()) + area_bias_1.w || facing <= 0.0)
-        return vec3(0.0);
+    vec3 way = light.x * frame.a + light.y * frame.b + light.z * frame.axis;
+    float facing = -dot(way, normal);
+    // Of the object that its rays end on the beam lights all faces, wherever they lie between the rays; others only
+    // where they are before the end.
+    float last = face.w == float(listed_ends_on.z)
+                     ? max(max(end.x, end.y), end.z) + area_bias_1.w
+                     : dot(share, end);
+    if (!one_sign(w) || below < -area_bias_1.w || point.z > last || facing <= 0.0 || dot(way, face.xyz) >= 0.0) return vec3(0.0);
     vec3 area, same, again;
     ring_areas(vec3(point.z), area, same, again);
     return facing * density(share, area) * exp(-push.extinction * (max(below, 0.0) * length(light)));
@@ -125,12 +132,15 @@ vec2 roots(vec3 c) {
     return vec2(c.z == 0.0 ? 1e30 : q / c.z, q == 0.0 ? 1e30 : c.x / q);
 }
 
+// m of depth beyond its end that a beam lights a medium: rounding, and none of what lies behind thin things.
+const float kEndBias = 1e-4;
+
 // Positive where the point is within the start (cap -1) or the end (cap 1) of the beam, up to a positive factor.
 float within(Along ray, float t, float cap) {
     vec3 w = sides(ray, t);
     float depth = ray.depth + t * ray.deeper;
     vec3 room = cap > 0.0 ? ends() - depth : depth - starts();
-    return dot(abs(w), room + area_bias_1.w);
+    return dot(abs(w), room + (cap > 0.0 ? kEndBias : area_bias_1.w));
 }
 
 // Cuts a piece at a cap, by false position (the Illinois rule).
@@ -169,28 +179,53 @@ vec3 scattered_at(Along ray, float t, float depth, vec3 area) {
 const float kNode = 0.774596669;
 const float kOuter = 5.0 / 9.0;
 const float kInner = 8.0 / 9.0;
-const float kMostPanels = 8.0;
+// Panels of one piece for the change of densities, and in all.
+const float kMostForDensity = 8.0;
+const int kMostPanels = 32;
+// Optical depths beyond a piece's brighter end: what lies farther gives less than a millionth; and of the first panel.
+const float kDarkness = 16.0;
+const float kFirstDepth = 1.0;
+
+// m that light goes in the medium by way of a place on the camera ray.
+float way_by(Along ray, float t) {
+    vec3 share = barycentric(sides(ray, t));
+    float below = ray.depth + ray.deeper * t - dot(share, starts());
+    return max(0.0, below) * length(along_light(share)) + ray.base + t;
+}
 
 vec3 integral(Along ray, float from, float to) {
-    float half_width = 0.5 * (to - from), middle = from + half_width;
-    // Where densities change by much, as the areas do, or much is dimmed, the piece is cut.
-    float extinction = max(max(push.extinction.x, push.extinction.y), push.extinction.z);
-    float dimming = extinction * (1.0 + abs(ray.deeper) * length(along_light(vec3(1.0 / 3.0))));
-    float panels = (to - from) * max(dimming, end_steepness.w * abs(ray.deeper));
-    panels = ceil(clamp(panels, 1.0, kMostPanels));
+    // From the end by which the way is the shorter, along which light is dimmed; mostly the camera's.
+    float length_left = to - from, way = way_by(ray, from), middle_way = way_by(ray, 0.5 * (from + to)),
+          last_way = way_by(ray, to);
+    bool back = last_way < way;
+    float near = back ? to : from, sense = back ? -1.0 : 1.0;
+    // m of way a m, at most and at least: between beams that cross they are not quite even.
+    float first_half = 2.0 * sense * (middle_way - way), second_half = 2.0 * sense * (last_way - middle_way);
+    float steep = max(0.0, max(first_half, second_half)) / max(length_left, 1e-20);
+    float slow = max(0.0, min(first_half, second_half)) / max(length_left, 1e-20);
+    float most = max(max(push.extinction.x, push.extinction.y), push.extinction.z);
+    float least = min(min(push.extinction.x, push.extinction.y), push.extinction.z);
+    length_left = min(length_left, kDarkness / max(least * slow, 1e-20));
+    // Panels double in width from the near end, so that all channels are resolved where they are bright: a panel that
+    // is wide against a channel's depth lies where that channel is dark. Where densities change by much, as the areas
+    // do, they are cut too.
+    float width = kFirstDepth / max(most * steep, 1e-20);
+    float widest = length_left / clamp(ceil(length_left * end_steepness.w * abs(ray.deeper)), 1.0, kMostForDensity);
     vec3 a, b, c;
     vec3 sum = vec3(0.0);
-    half_width /= panels;
-    middle = from + half_width;
-    for (float panel = 0.0; panel < panels; panel += 1.0) {
+    float at_near = 0.0;
+    for (int panel = 0; panel < kMostPanels && at_near < length_left; ++panel) {
+        float half_width = 0.5 * min(min(width, widest * 1.0001), length_left - at_near);
+        float middle = near + sense * (at_near + half_width);
         vec3 t = vec3(middle - kNode * half_width, middle, middle + kNode * half_width);
         vec3 depth = ray.depth + ray.deeper * t;
         ring_areas(depth, a, b, c);
-        sum += kOuter * (scattered_at(ray, t.x, depth.x, a) + scattered_at(ray, t.z, depth.z, c)) +
-               kInner * scattered_at(ray, t.y, depth.y, b);
-        middle += 2.0 * half_width;
+        sum += half_width * (kOuter * (scattered_at(ray, t.x, depth.x, a) + scattered_at(ray, t.z, depth.z, c)) +
+                             kInner * scattered_at(ray, t.y, depth.y, b));
+        at_near += 2.0 * half_width;
+        width *= 2.0;
     }
-    return sum * half_width * push.scattering;
+    return sum * push.scattering;
 }
 
 void order(inout float a, inout float b) {
@@ -211,7 +246,7 @@ vec3 scatter(vec3 origin, vec3 direction, float segment) {
     vec3 start = starts();
     float low = min(min(start.x, start.y), start.z) - area_bias_1.w;
     vec3 end = ends();
-    float high = max(max(end.x, end.y), end.z) + area_bias_1.w;
+    float high = max(max(end.x, end.y), end.z) + kEndBias;
     float from = 0.0, to = segment;
     if (direction.z != 0.0) {
         float t0 = (low - origin.z) / direction.z, t1 = (high - origin.z) / direction.z;
@@ -281,6 +316,9 @@ void main() {
     vec2 xy = vec2(pixel);
     vec3 origin = push.origin + xy.x * push.origin_u + xy.y * push.origin_v;
     vec3 direction = normalize(push.direction + xy.x * push.direction_u + xy.y * push.direction_v);
-    scattered.xyz = scatter(origin, direction, seen.x);
-    if (seen.y > 0.0) irradiance.xyz = lit(origin + seen.y * direction, texelFetch(normals, pixel, 0).xyz);
+    if (push.scattering != vec3(0.0)) scattered.xyz = scatter(origin, direction, seen.x);
+    if (seen.y > 0.0) {
+        vec3 normal = texelFetch(normals, pixel, 0).xyz;
+        irradiance.xyz = lit(origin + seen.y * direction, normal, texelFetch(faces, pixel, 0));
+    }
 }

@@ -103,7 +103,8 @@ void main() {
     vec2 xy = vec2(pixel);
     vec3 origin = push.origin + xy.x * push.origin_u + xy.y * push.origin_v;
     vec3 direction = normalize(push.direction + xy.x * push.direction_u + xy.y * push.direction_v);
-    scattered = vec4(scatter(origin, direction, seen.x), 1.0);
+    scattered = vec4(0.0, 0.0, 0.0, 1.0);
+    if (push.scattering != vec3(0.0)) scattered.xyz = scatter(origin, direction, seen.x);
     irradiance = vec4(0.0);
     if (seen.y > 0.0) irradiance.xyz = lit(origin + seen.y * direction, texelFetch(normals, pixel, 0).xyz);
 }

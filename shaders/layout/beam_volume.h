@@ -15,11 +15,12 @@ struct DrawnBeam {
     vec3 start;       // m, depths at which the corners' rays begin
     vec3 end;         // m, and end
     float middle;     // m, depth
-    float bias;       // m of depth before the start and beyond the end that belong to the beam
+    float bias;       // m of depth before the start, and beyond the end on the object that it ends on
     float cell;       // m, along camera rays: places that edges are measured from are multiples of it
     float steepness;  // 1/m: how fast the logarithms of the areas change with depth, at most
     uint first;       // of the beam's listed triangles
     uint last;        // and the one after its last
+    int ends_on;      // object that its rays end on; negative: none
 };
 
 // A triangle of a ring whose area changes its sign on the beam's way.

@@ -74,6 +74,7 @@ TEST_P(Flat, ScatteredLightAndIrradianceHaveTheClosedForm) {
         {{0, -1, 0}, {1, 0, 0.3}},      {{0.3, -0.5, 0.1}, {0, -1, 0}}, {{0, -0.8, 0.2}, {0.5, -0.5, -0.7}},
         {{0, -2, 0}, {-0.6, 0.4, 0.3}}, {{0, -2.5, 0}, {-shift, 1, 0}}, {{0, -0.4, 0}, {shift, -1, 0}}};
     double worst = 0, worst_e = 0;
+    std::size_t tested_e = 0;
     for (const auto& [place, towards] : views) {
         for (const bool orthographic : {false, true}) {
             scene.state.camera.position = place + glm::dvec3(shift * -place.y, 0, 0);
@@ -111,6 +112,7 @@ TEST_P(Flat, ScatteredLightAndIrradianceHaveTheClosedForm) {
                                 view::kReceiver ||
                             !lit(drawn.receivers.position[i]))
                             continue;
+                        ++tested_e;
                         const double e = scene.state.lights[0].irradiance[c] * surface.irradiance *
                                          std::exp(-extinction[c] * kFloor / cos_t);
                         worst_e = std::max(
@@ -127,7 +129,53 @@ TEST_P(Flat, ScatteredLightAndIrradianceHaveTheClosedForm) {
     // Three nodes for e^-x over an optical depth of 1 at most; places are rounded to 1e-6 m, the device's
     // exp.
     EXPECT_LT(worst, 1e-4);
+    EXPECT_GT(tested_e, 1000u);
     EXPECT_LT(worst_e, 2e-5);
+}
+
+TEST(HugeExtinction, HasTheClosedForm) {
+    // Just below the surface, where light still is, on ways that it lights to their end; channels that are
+    // dimmed alike, and by a thousand to one.
+    scene::FrameScene scene = flat_scene(30, 40);
+    scene.state.camera.field_of_view = 6 * scene::kDegree;
+    const double cos_t = std::cos(std::asin(0.5 / kIndex));
+    const test::FlatFloor surface = test::flat_floor(30, 1, kIndex);
+    const rays::RayScene rays(scene);
+    const std::vector<BeamSet> sets = test::drawn_sheets(scene, rays, kFloor);
+    for (const glm::dvec3 extinction : {glm::dvec3(100), glm::dvec3(1000), glm::dvec3(1000, 30, 1)}) {
+        scene.state.water->absorption = 0.5 * extinction;
+        scene.state.water->scattering = 0.5 * extinction;
+        const double deep = 1 / std::max({extinction.x, extinction.y, extinction.z});
+        for (const glm::dvec3 towards : {glm::dvec3(0.9, -0.4, 0.3), glm::dvec3(-0.3, -0.5, -0.2)}) {
+            scene.state.camera.position = {0, -deep, 0};
+            scene.state.camera.target = scene.state.camera.position + towards;
+            const Drawn drawn = draw(scene, sets);
+            double worst = 0;
+            std::size_t tested = 0;
+            for (std::size_t i = 0; i < drawn.receivers.pixels(); ++i) {
+                for (std::uint32_t k = drawn.segments.first[i]; k < drawn.segments.first[i + 1]; ++k) {
+                    if (!drawn.segments.primary[k] || !drawn.segments.in_water[k]) continue;
+                    const glm::dvec3 origin(drawn.segments.origin[k]), direction(drawn.segments.direction[k]);
+                    const double length = drawn.segments.length[k];
+                    ++tested;
+                    for (int c = 0; c < 3; ++c) {
+                        const double a = extinction[c] * (1 - direction.y / cos_t);
+                        const double expected = scene.state.water->scattering[c] * 0.25 / glm::pi<double>() *
+                                                scene.state.lights[0].irradiance[c] * surface.irradiance /
+                                                cos_t * std::exp(extinction[c] * origin.y / cos_t) *
+                                                -std::expm1(-a * length) / a;
+                        const double value = drawn.sums.scattered[i][c];
+                        worst = std::max(worst, std::abs(value / expected - 1));
+                    }
+                }
+            }
+            printf("extinction %g %g %g, towards %g %g: S off by %.1e\n", extinction.x, extinction.y,
+                   extinction.z, towards.x, towards.y, worst);
+            EXPECT_EQ(tested, drawn.receivers.pixels());
+            // The aim; places are rounded to 1e-6 m, a thousandth of the shortest way that dims.
+            EXPECT_LT(worst, 0.01);
+        }
+    }
 }
 
 /// Gentle crests over a floor, both volumes, before and beyond their foci.
@@ -254,6 +302,7 @@ TEST(HardCases, AreFinite) {
             lens.triangles.emplace_back(i + 1, i + 5, i + 6);
         }
     lens.flux.assign(lens.triangles.size(), glm::vec3(1));
+    lens.ends_on.assign(lens.triangles.size(), 0);
     const std::vector<BeamSet> sets{lens};
     scene::FrameScene scene = flat_scene(0, 4);
     scene.state.clip.width = scene.state.clip.height = 33;  // the middle pixel looks through the focus

@@ -10,7 +10,7 @@
 /// Beams to draw without a light view: every triangle of the water mesh is one.
 namespace dapple::test {
 
-/// Sheets of light 0 as beams that end on the level floor at -depth m.
+/// Sheets of light 0 as beams that end on the level floor at -depth m, object 0.
 inline std::vector<methods::adaptive_beams::BeamSet> drawn_sheets(
     const scene::FrameScene& scene, const rays::RayScene& rays, double depth,
     light::Event event = light::Event::transmission) {
@@ -36,6 +36,7 @@ inline std::vector<methods::adaptive_beams::BeamSet> drawn_sheets(
             if (!(sheet.flux[i] > 0)) continue;
             set.triangles.push_back(scene.water->mesh.triangles[i]);
             set.flux.emplace_back(sheet.flux[i] * sheet.color);
+            set.ends_on.push_back(0);
         }
         sets.push_back(std::move(set));
     }

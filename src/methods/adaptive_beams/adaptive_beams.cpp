@@ -24,12 +24,8 @@ struct KeptIrradiance {
     std::vector<glm::vec3> irradiance;
 };
 
-bool is_primary(std::uint32_t flags) {
-    return (flags & (view::kReceiver | view::kBehindSpecular)) == view::kReceiver;
-}
-
 bool any_primary(const view::ReceiverLayer& layer) {
-    return std::any_of(layer.flags.begin(), layer.flags.end(), is_primary);
+    return std::any_of(layer.flags.begin(), layer.flags.end(), adaptive_beams::seen_directly);
 }
 
 }  // namespace
@@ -107,7 +103,7 @@ void AdaptiveBeams::irradiance(FrameContext& context, std::span<const view::Rece
             continue;
         }
         for (std::size_t pixel = 0; pixel < layer.pixels(); ++pixel) {
-            if (!is_primary(layer.flags[pixel])) continue;
+            if (!adaptive_beams::seen_directly(layer.flags[pixel])) continue;
             results[i].irradiance[pixel] = values[pixel];
             results[i].covered[pixel] = 1;
         }

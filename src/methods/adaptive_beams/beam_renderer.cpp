@@ -26,7 +26,7 @@ namespace {
 
 using layout::BeamFrame;
 using layout::BeamPush;
-static_assert(sizeof(layout::DrawnBeam) == 168);
+static_assert(sizeof(layout::DrawnBeam) == 172);
 static_assert(sizeof(layout::TurningArea) == 16);
 static_assert(sizeof(layout::PaperBeam) == 124);
 static_assert(sizeof(BeamPush) == 120);
@@ -37,7 +37,7 @@ constexpr std::size_t kPhaseValues = 2048;
 constexpr std::size_t kIndicesABeam = 24;
 
 gpu::RasterDescription description() {
-    return {.interface = {.storage_buffers = 5, .sampled_images = 2, .push_bytes = sizeof(BeamPush)},
+    return {.interface = {.storage_buffers = 5, .sampled_images = 3, .push_bytes = sizeof(BeamPush)},
             .blend = gpu::Blend::add,
             .cull = gpu::Cull::front,
             .color_formats = {gpu::Format::rgba32f, gpu::Format::rgba32f}};
@@ -52,11 +52,7 @@ gpu::Buffer filled_buffer(gpu::Device& device, std::string_view name, const std:
     return buffer;
 }
 
-bool is_primary(std::uint32_t flags) {
-    return (flags & (view::kReceiver | view::kBehindSpecular)) == view::kReceiver;
-}
-
-/// What a set needs on the device.
+/// What a set, or a part of one, needs on the device.
 struct SetOnDevice {
     const BeamSet& set;
     gpu::Buffer beams, corners, turning, plain, listed, frame;
@@ -77,8 +73,9 @@ glm::vec3 lobes(const scene::PhaseFunction& phase) {
 }  // namespace
 
 struct BeamRenderer::State {
-    explicit State(gpu::Device& d)
+    State(gpu::Device& d, std::uint64_t largest)
         : device(d),
+          largest_buffer(std::min(largest, d.largest_storage_range())),
           pipelines{{{d, "beams", adaptive_beams_beam_vert, adaptive_beams_beam_lobes_frag, description()},
                      {d, "beams with turning areas", adaptive_beams_beam_vert,
                       adaptive_beams_beam_lobes_listed_frag, description()}},
@@ -93,9 +90,11 @@ struct BeamRenderer::State {
 
     BeamPush push(const BeamSet& set, glm::dvec2 offset) const;
     void write_pixels(const view::SegmentLayer* segments, const view::ReceiverLayer* receivers,
-                      std::span<glm::vec4> pixels, std::span<glm::vec4> normals) const;
+                      std::span<glm::vec4> pixels, std::span<glm::vec4> normals,
+                      std::span<glm::vec4> faces) const;
 
     gpu::Device& device;
+    std::uint64_t largest_buffer = 0;
     gpu::RasterPipeline pipelines[2][2];  ///< phase function tabulated, beams with listed triangles
     gpu::RasterPipeline paper[2];
     Shading shading = Shading::exact;
@@ -105,7 +104,8 @@ struct BeamRenderer::State {
     std::optional<gpu::Buffer> phase_table;
 };
 
-BeamRenderer::BeamRenderer(gpu::Device& device) : state_(std::make_unique<State>(device)) {}
+BeamRenderer::BeamRenderer(gpu::Device& device, std::uint64_t largest_buffer)
+    : state_(std::make_unique<State>(device, largest_buffer)) {}
 BeamRenderer::~BeamRenderer() = default;
 
 void BeamRenderer::begin(const scene::FrameScene& scene, std::span<const BeamSet> sets, VolumeKind volumes,
@@ -119,25 +119,35 @@ void BeamRenderer::begin(const scene::FrameScene& scene, std::span<const BeamSet
     std::size_t beams = 0, prisms = 0, turning = 0, lost = 0;
     for (const BeamSet& set : sets) {
         if (set.triangles.empty()) continue;
-        const DrawnBeams drawn = drawn_beams(set, *s.camera, scene.origin, volumes);
+        DrawnBeams drawn = drawn_beams(set, *s.camera, scene.origin, volumes);
         beams += drawn.beams.size();
         prisms += drawn.prisms;
         turning += drawn.beams.size() - drawn.plain;
         const PaperBeams in_paper = shading == Shading::paper ? paper_beams(set) : PaperBeams{};
         lost += in_paper.lost;
-        const auto faces = drawn.indices.begin();
-        const auto split = faces + static_cast<std::ptrdiff_t>(kIndicesABeam * drawn.plain);
         const glm::mat3 axes(set.world_from_mesh);
-        s.sets.push_back(
-            {set,
-             shading == Shading::paper ? filled_buffer(s.device, "beams of the paper", in_paper.beams)
-                                       : filled_buffer(s.device, "beams", drawn.beams),
-             filled_buffer(s.device, "corners of beams", drawn.corners),
-             filled_buffer(s.device, "turning areas", drawn.turning),
-             filled_buffer(s.device, "faces of beams", std::vector<std::uint32_t>(faces, split)),
-             filled_buffer(s.device, "faces of beams",
-                           std::vector<std::uint32_t>(split, drawn.indices.end())),
-             filled_buffer(s.device, "axes of beams", std::vector<BeamFrame>{{axes[0], axes[1], axes[2]}})});
+        auto in_paper_part = in_paper.beams.begin();
+        for (const DrawnBeams& part : parts_of(std::move(drawn), s.largest_buffer)) {
+            const auto faces = part.indices.begin();
+            const auto split = faces + static_cast<std::ptrdiff_t>(kIndicesABeam * part.plain);
+            const auto next = shading == Shading::paper
+                                  ? in_paper_part + static_cast<std::ptrdiff_t>(part.beams.size())
+                                  : in_paper_part;
+            s.sets.push_back(
+                {set,
+                 shading == Shading::paper
+                     ? filled_buffer(s.device, "beams of the paper",
+                                     std::vector<layout::PaperBeam>(in_paper_part, next))
+                     : filled_buffer(s.device, "beams", part.beams),
+                 filled_buffer(s.device, "corners of beams", part.corners),
+                 filled_buffer(s.device, "turning areas", part.turning),
+                 filled_buffer(s.device, "faces of beams", std::vector<std::uint32_t>(faces, split)),
+                 filled_buffer(s.device, "faces of beams",
+                               std::vector<std::uint32_t>(split, part.indices.end())),
+                 filled_buffer(s.device, "axes of beams",
+                               std::vector<BeamFrame>{{axes[0], axes[1], axes[2]}})});
+            in_paper_part = next;
+        }
     }
     std::vector<float> table(1, 0.0f);
     if (scene.state.water && !is_lobes(scene.state.water->phase.type)) {
@@ -189,10 +199,10 @@ BeamPush BeamRenderer::State::push(const BeamSet& set, glm::dvec2 offset) const 
 
 void BeamRenderer::State::write_pixels(const view::SegmentLayer* segments,
                                        const view::ReceiverLayer* receivers, std::span<glm::vec4> pixels,
-                                       std::span<glm::vec4> normals) const {
+                                       std::span<glm::vec4> normals, std::span<glm::vec4> faces) const {
     parallel_for(pixels.size(), kTile, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
-            pixels[i] = normals[i] = glm::vec4(0);
+            pixels[i] = normals[i] = faces[i] = glm::vec4(0);
             if (segments) {
                 for (std::uint32_t k = segments->first[i]; k < segments->first[i + 1]; ++k) {
                     if (!segments->primary[k]) continue;
@@ -201,7 +211,7 @@ void BeamRenderer::State::write_pixels(const view::SegmentLayer* segments,
                     break;
                 }
             }
-            if (receivers && is_primary(receivers->flags[i])) {
+            if (receivers && seen_directly(receivers->flags[i])) {
                 const int sample = receivers->sample;
                 const glm::dvec2 pixel(i % static_cast<std::size_t>(receivers->width),
                                        i / static_cast<std::size_t>(receivers->width));
@@ -212,6 +222,7 @@ void BeamRenderer::State::write_pixels(const view::SegmentLayer* segments,
                 pixels[i].y = static_cast<float>(glm::dot(position - origin, direction));
                 pixels[i].z = (receivers->flags[i] & view::kInWater) != 0 ? 1.0f : 0.0f;
                 normals[i] = glm::vec4(receivers->shading_normal[i], 0);
+                faces[i] = glm::vec4(receivers->geometric_normal[i], receivers->object[i]);
             }
         }
     });
@@ -230,20 +241,23 @@ BeamSums BeamRenderer::render(const view::SegmentLayer* segments, const view::Re
     const std::size_t bytes = count * sizeof(glm::vec4);
     gpu::Buffer first(s.device, "pixels or scattered light", bytes);
     gpu::Buffer second(s.device, "normals or irradiance", bytes);
+    gpu::Buffer third(s.device, "faces", bytes);
     const auto image = [&](const char* name) {
         return gpu::Image(s.device, name, clip.width, clip.height, gpu::Format::rgba32f);
     };
-    const gpu::Image pixels = image("pixels"), normals = image("normals"),
+    const gpu::Image pixels = image("pixels"), normals = image("normals"), faces = image("faces"),
                      scattered = image("scattered light"), irradiance = image("irradiance");
     {
         const ScopedPass pass(stats, "beam raster");
-        s.write_pixels(segments, receivers, first.as<glm::vec4>(), second.as<glm::vec4>());
+        s.write_pixels(segments, receivers, first.as<glm::vec4>(), second.as<glm::vec4>(),
+                       third.as<glm::vec4>());
     }
     const int sample = segments ? segments->sample : receivers->sample;
     const glm::dvec2 offset = view::Camera::sample_offset(sample, clip.samples);
     gpu::PassList passes(s.device);
     passes.copy("beam raster", first, pixels);
     passes.copy("beam raster", second, normals);
+    passes.copy("beam raster", third, faces);
     gpu::Targets targets{.colors = {&scattered, &irradiance}};
     const bool tabulated = s.scene->state.water && !is_lobes(s.scene->state.water->phase.type);
     for (const SetOnDevice& set : s.sets) {
@@ -252,7 +266,7 @@ BeamSums BeamRenderer::render(const view::SegmentLayer* segments, const view::Re
             if (indices.bytes() < kIndicesABeam * sizeof(std::uint32_t)) continue;
             gpu::Bindings bindings{
                 .buffers = {&set.beams, &set.corners, &set.turning, &*s.phase_table, &set.frame},
-                .images = {&pixels, &normals}};
+                .images = {&pixels, &normals, &faces}};
             bindings.set_push(s.push(set.set, offset));
             const gpu::RasterPipeline& pipeline = s.shading == Shading::paper
                                                       ? s.paper[tabulated ? 1 : 0]

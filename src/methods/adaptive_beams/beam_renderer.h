@@ -1,4 +1,6 @@
 #pragma once
+#include <cstdint>
+#include <limits>
 #include <memory>
 #include <span>
 #include <vector>
@@ -12,6 +14,13 @@
 #include "view/segment_layer.h"
 
 namespace dapple::methods::adaptive_beams {
+
+/// Whether beams are drawn for a receiver: the camera sees it neither through nor by a specular surface, nor
+/// from within glass, where no beam is.
+inline bool seen_directly(std::uint32_t flags) {
+    constexpr std::uint32_t relevant = view::kReceiver | view::kBehindSpecular | view::kInGlass;
+    return (flags & relevant) == view::kReceiver;
+}
 
 /// How beams are shaded.
 enum class Shading {
@@ -30,14 +39,16 @@ struct BeamSums {
 /// beams. Surface and volume terms come from one rasterisation.
 class BeamRenderer {
 public:
-    explicit BeamRenderer(gpu::Device& device);
+    /// No buffer of beams has more bytes than `largest_buffer` or than the device can bind.
+    explicit BeamRenderer(gpu::Device& device,
+                          std::uint64_t largest_buffer = std::numeric_limits<std::uint64_t>::max());
     ~BeamRenderer();
 
     /// A frame's beams, before its layers. The scene must outlive them.
     void begin(const scene::FrameScene& scene, std::span<const BeamSet> sets, VolumeKind volumes,
                Shading shading, FrameStats& stats);
-    /// E and S of a layer: of `segments` those that are primary, of `receivers` those that the camera sees
-    /// neither through nor by a specular surface; either may be null. They are of one sample and have the
+    /// E and S of a layer: of `segments` those that are primary, of `receivers` those that are
+    /// seen_directly(); either may be null. They are of one sample and have the
     /// size of the clip's pictures.
     BeamSums render(const view::SegmentLayer* segments, const view::ReceiverLayer* receivers,
                     FrameStats& stats);

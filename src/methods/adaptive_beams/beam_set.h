@@ -28,6 +28,8 @@ struct BeamSet {
     /// W a channel of each triangle where the leg begins: the light's colour, Fresnel, and what the way
     /// before absorbed are in it. Never negative.
     std::vector<glm::vec3> flux;
+    /// Object that the three rays of each triangle end on, index into FrameState::objects; negative: none.
+    std::vector<int> ends_on;
 };
 
 }  // namespace dapple::methods::adaptive_beams

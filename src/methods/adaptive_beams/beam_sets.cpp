@@ -76,6 +76,7 @@ void append_sets(const LegBeams& legs, light::Event event, const TracedRays& ray
             }
             set.triangles.push_back(triangle);
             set.flux.emplace_back(beam->flux);
+            set.ends_on.push_back(leg_of(beam->rays[0]).end);
         }
     }
 }

@@ -144,6 +144,7 @@ private:
         }
         beam.middle = static_cast<float>(middle);
         beam.bias = static_cast<float>(bias);
+        beam.ends_on = set_.ends_on[i];
         const double cell = kCellOfWidth * width(at(rays, middle));
         beam.cell = static_cast<float>(std::exp2(std::ceil(std::log2(std::max(cell, 1e-3)))));
 
@@ -181,6 +182,48 @@ private:
 DrawnBeams drawn_beams(const BeamSet& set, const view::Camera& camera, const glm::dvec3& origin,
                        VolumeKind kind) {
     return Builder(set, camera, origin, kind).build();
+}
+
+std::vector<DrawnBeams> parts_of(DrawnBeams drawn, std::uint64_t largest) {
+    constexpr std::size_t kBeamIndices = 3 * kFaces;
+    const std::size_t count = drawn.beams.size();
+    // The corners of a beam are smaller than the beam.
+    const std::size_t most =
+        std::max<std::size_t>(1, std::min<std::uint64_t>(largest / sizeof(layout::DrawnBeam), count));
+    const std::size_t most_turning = largest / sizeof(layout::TurningArea);
+    std::vector<DrawnBeams> parts;
+    if (count <= most && drawn.turning.size() <= most_turning) {
+        parts.push_back(std::move(drawn));
+        return parts;
+    }
+    const auto slice = [](const auto& values, std::size_t from, std::size_t to) {
+        return std::vector(values.begin() + static_cast<std::ptrdiff_t>(from),
+                           values.begin() + static_cast<std::ptrdiff_t>(to));
+    };
+    // Of beams without and with listed triangles.
+    std::size_t index = 0, listed_index = kBeamIndices * drawn.plain;
+    for (std::size_t first = 0, last = 0; first < count; first = last) {
+        const std::uint32_t turning = drawn.beams[first].first;
+        last = first + 1;
+        while (last < count && last - first < most && drawn.beams[last].last - turning <= most_turning)
+            ++last;
+        DrawnBeams& part = parts.emplace_back();
+        part.beams = slice(drawn.beams, first, last);
+        part.corners = slice(drawn.corners, kCorners * first, kCorners * last);
+        part.turning = slice(drawn.turning, turning, drawn.beams[last - 1].last);
+        const auto take = [&](std::size_t& next, std::size_t end) {
+            for (; next < end && drawn.indices[next] < kCorners * last; ++next)
+                part.indices.push_back(static_cast<std::uint32_t>(drawn.indices[next] - kCorners * first));
+        };
+        take(index, kBeamIndices * drawn.plain);
+        part.plain = part.indices.size() / kBeamIndices;
+        take(listed_index, drawn.indices.size());
+        for (layout::DrawnBeam& beam : part.beams) {
+            beam.first -= turning;
+            beam.last -= turning;
+        }
+    }
+    return parts;
 }
 
 }  // namespace dapple::methods::adaptive_beams

@@ -22,8 +22,9 @@ struct DrawnBeams {
     std::size_t prisms = 0;  ///< beams that have a prism for want of six triangles
 };
 
-/// Depths before its start and beyond its end that still belong to a beam, m: between its vertices a surface
-/// that they lie on may bulge. A constant, and a share of the beam's width at its end.
+/// Depths before its start that still belong to a beam, and beyond its end on the object that it ends on, m:
+/// between its vertices a surface that they lie on may bulge. A constant, and a share of the beam's width at
+/// its end.
 constexpr double kLeastBias = 1e-3;
 constexpr double kBiasOfWidth = 0.1;
 /// Pixels by which volumes are wider than beams: more than a rasteriser's rounding of corners (1/256 pixel).
@@ -32,5 +33,9 @@ constexpr double kMarginPixels = 1.0 / 32;
 /// `origin`: FrameScene::origin. The same bits on any number of threads.
 DrawnBeams drawn_beams(const BeamSet& set, const view::Camera& camera, const glm::dvec3& origin,
                        VolumeKind kind);
+
+/// Cuts beams into parts, each array of which but the indices has `largest` bytes at most, or is of one beam;
+/// the parts together hold all beams in their order.
+std::vector<DrawnBeams> parts_of(DrawnBeams drawn, std::uint64_t largest);
 
 }  // namespace dapple::methods::adaptive_beams
