@@ -67,7 +67,7 @@ TEST(AdaptiveGrid, HasNoCracksOverWavesAndABall) {
     const rays::RayScene rays(scene);
     const media::Media media(scene);
     for (const int body : {light::kWater, 0}) {
-        const LightView view = light_views(scene, 0, scene.state.lights[0].direction, 1, body).at(0);
+        const LightView view = LightViews(scene).of(0, scene.state.lights[0].direction, 1, body).at(0);
         const PathTracer tracer(scene, rays, media, view, body, 3);
         FrameStats stats;
         RefinedGrid refined = refine(scene, tracer, body, 16, 3, nullptr, stats);
@@ -101,10 +101,10 @@ TEST(AdaptiveGrid, ViewsSendWhatTheLightDoes) {
     };
     // A view of the water is narrower than it by a millionth at each side.
     const double room = 5e-6;
-    const auto sun = light_views(scene, 0, scene.state.lights[0].direction, 1, light::kWater);
+    const auto sun = LightViews(scene).of(0, scene.state.lights[0].direction, 1, light::kWater);
     ASSERT_EQ(sun.size(), 1U);
     EXPECT_NEAR(sum(sun[0]) / (16 * std::sin(30 * scene::kDegree)), 1, room);
-    const auto point = light_views(scene, 1, {}, 1, light::kWater);
+    const auto point = LightViews(scene).of(1, {}, 1, light::kWater);
     ASSERT_EQ(point.size(), 1U);
     double angle = 0;
     for (const double a : {1.5, 2.5})
@@ -113,13 +113,13 @@ TEST(AdaptiveGrid, ViewsSendWhatTheLightDoes) {
 
     // A lamp so near that one view does not hold the pool: faces of a cube, all about it but upwards.
     scene.state.lights[1].position.y = 0.1;
-    const auto faces = light_views(scene, 1, {}, 1, light::kWater);
+    const auto faces = LightViews(scene).of(1, {}, 1, light::kWater);
     EXPECT_EQ(faces.size(), 5U);
     for (const LightView& face : faces) EXPECT_NEAR(sum(face), 4 * std::numbers::pi / 6, 1e-12);
 
     // A ball seen from afar: the view is the square about its outline.
     scene.state.objects.push_back(test::glass_ball({3, 2, 1}, 0.5, 1.5));
-    const auto ball = light_views(scene, 0, scene.state.lights[0].direction, 1, 0);
+    const auto ball = LightViews(scene).of(0, scene.state.lights[0].direction, 1, 0);
     ASSERT_EQ(ball.size(), 1U);
     EXPECT_NEAR(sum(ball[0]), 1, room);
 }

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "adaptive_scene.h"
+#include "light/beam_axes.h"
 #include "light/water_beams.h"
 #include "methods/adaptive_beams/beam_pieces.h"
 #include "methods/adaptive_beams/make_beams.h"
@@ -117,9 +118,15 @@ TEST(AdaptiveLight, FluxesAddUpOverWaves) {
             for (const double flux : sheet.flux) sent += flux * test::mean(sheet.color);
     }
     EXPECT_NEAR(incident / sent, 1, 2e-3);
-    // Sets are within their cones, and beams have flux.
-    for (const BeamSet& set : made.sets)
-        for (const glm::vec3& flux : set.flux) EXPECT_GE(std::min({flux.x, flux.y, flux.z}), 0);
+    // Sets are within their cones (but for a float's rounding), and beams have flux.
+    for (const BeamSet& set : made.sets) {
+        for (const BeamSet::Vertex& v : set.vertices)
+            EXPECT_GT(1 / glm::length(glm::dvec3(v.slope_a, v.slope_b, 1)), light::kConeCosine - 1e-6);
+        for (const glm::vec3& flux : set.flux) {
+            EXPECT_GE(std::min({flux.x, flux.y, flux.z}), 0);
+            EXPECT_GT(std::max({flux.x, flux.y, flux.z}), 0);
+        }
+    }
 }
 
 TEST(AdaptiveLight, LampsSendWhatTheBeamsOfTheMeshDo) {
@@ -172,7 +179,7 @@ TEST(AdaptiveLight, LaterLegsTakeWhatEndsAtTheWater) {
     const scene::FrameScene& scene = *pool;
     const rays::RayScene rays(scene);
     const media::Media media(scene);
-    const LightView view = light_views(scene, 0, scene.state.lights[0].direction, 1, 0).at(0);
+    const LightView view = LightViews(scene).of(0, scene.state.lights[0].direction, 1, 0).at(0);
     const PathTracer tracer(scene, rays, media, view, 0, 1);
     FrameStats stats;
     RefinedGrid refined = refine(scene, tracer, 0, 16, 2, nullptr, stats);
@@ -231,6 +238,69 @@ TEST(AdaptiveLight, TheLastLevelMayLeaveOutSilhouettes) {
         EXPECT_LT(missing, before);
         before = missing;
     }
+}
+
+TEST(AdaptiveLight, ALampInABallSendsAllItsLightOut) {
+    scene::Object ball = test::glass_ball({0, 2, 0}, 0.5, 1.5);
+    ball.material.absorption = {0.1, 0.5, 2};
+    const auto lamp_in_ball = in_the_sun(ball, 0, 70);
+    scene::FrameScene& scene = *lamp_in_ball;
+    scene.state.objects.push_back(test::floor_at(8, 100));
+    scene.state.lights[0] = test::lamp_at({0.1, 2.1, 0});
+    const Made made(scene, {{0, kT, 0}, {0, kR, 0}});
+    // No angle within is as flat as the critical one, so that all of the sphere of directions is sent on.
+    const double incident = made.stats.counted("light on specular surfaces, W");
+    EXPECT_NEAR(incident / (2.5 * 4 * std::numbers::pi), 1, 1e-6);
+    EXPECT_NEAR((made.first_legs() + made.losses()) / incident, 1, 1e-5);
+    std::vector<std::string> names;
+    for (const BeamSet& set : made.sets) names.push_back(set.name.substr(0, set.name.find(' ', 10)));
+    EXPECT_THAT(names, ::testing::Contains("lamp > ball:T"));
+    EXPECT_THAT(names, ::testing::Contains("lamp > ball:RT"));
+}
+
+TEST(AdaptiveLight, DispersionPartsTheChannels) {
+    const auto pool = pool_in_the_sun(0, 45);
+    scene::FrameScene& scene = *pool;
+    const double total = Made(scene, {{0, kT}}).beams();
+    scene.state.water->dispersion = 0.03;
+    // Where what the water mirrors is seen; it leaves the sun's way free.
+    scene.state.objects.push_back(test::floor_at(6, 5));
+    scene.state.objects.back().transform.position.x = -6;
+    const Made made(scene, {{0, kT}, {0, kR}});
+    ASSERT_EQ(made.sets.size(), 4U);
+    EXPECT_EQ(made.sets[0].name, "sun > water:R");
+    const std::array<const char*, 3> names = {"sun > water:T red", "sun > water:T green",
+                                              "sun > water:T blue"};
+    const double i = 45 * scene::kDegree;
+    for (int c = 0; c < 3; ++c) {
+        const BeamSet& set = made.sets[static_cast<std::size_t>(c) + 1];
+        EXPECT_EQ(set.name, names[static_cast<std::size_t>(c)]);
+        const double n = 1.333 + 0.015 * (c - 1), t = std::asin(std::sin(i) / n);
+        // Snell's law, and Fresnel's by the colour's index.
+        EXPECT_NEAR(set.world_from_mesh[2].x, -std::sin(t), 1e-9);
+        glm::dvec3 flux(0);
+        for (const glm::vec3& beam : set.flux) flux += glm::dvec3(beam);
+        const double share = optics::f64::fresnel_transmittance(std::cos(i), std::cos(t), 1 / n);
+        for (int k = 0; k < 3; ++k)
+            EXPECT_NEAR(flux[k] / (16 * std::cos(i) * (3 - 0.5 * k)), k == c ? share : 0, 1e-5);
+        EXPECT_EQ(static_cast<double>(set.triangles.size()), total);
+    }
+}
+
+TEST(AdaptiveLight, DispersionActsBehindGlassToo) {
+    // A ball over water: what goes on into the water leaves the surface by three directions.
+    const auto pool = in_the_sun(test::glass_ball({0, 1, 0}, 0.3, 1), -2, 60);
+    scene::FrameScene& scene = *pool;
+    test::add_water(scene, 0);
+    scene.state.water->dispersion = 0.03;
+    const Made made(scene, {{0, kT, 0}});
+    std::vector<double> sines;
+    for (const BeamSet& set : made.sets)
+        if (set.name.starts_with("sun > ball:TT > water:T")) sines.push_back(-set.world_from_mesh[2].x);
+    // The ball does not bend light.
+    EXPECT_THAT(sines, ::testing::ElementsAre(::testing::DoubleNear(0.5 / 1.318, 1e-6),
+                                              ::testing::DoubleNear(0.5 / 1.333, 1e-6),
+                                              ::testing::DoubleNear(0.5 / 1.348, 1e-6)));
 }
 
 }  // namespace

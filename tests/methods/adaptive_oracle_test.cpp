@@ -24,7 +24,7 @@ public:
     Refined(const scene::FrameScene& scene, int body, int levels, OraclePass* pass = nullptr)
         : rays_(scene),
           media_(scene),
-          view_(light_views(scene, 0, scene.state.lights[0].direction, 1, body).at(0)),
+          view_(LightViews(scene).of(0, scene.state.lights[0].direction, 1, body).at(0)),
           tracer_(scene, rays_, media_, view_, body, 3),
           refined_(refine(scene, tracer_, body, 16, levels, pass, stats_)) {}
 

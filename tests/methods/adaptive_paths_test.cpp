@@ -18,7 +18,7 @@ public:
     Traced(const scene::FrameScene& scene, int body)
         : rays_(scene),
           media_(scene),
-          views_(light_views(scene, 0, scene.state.lights[0].direction, 1, body)),
+          views_(LightViews(scene).of(0, scene.state.lights[0].direction, 1, body)),
           tracer_(scene, rays_, media_, views_.at(0), body, kBoth) {}
 
     VertexPaths at(glm::dvec2 uv) const {
@@ -173,6 +173,167 @@ TEST(AdaptivePaths, BallAtTheSurfaceSendsLightIntoTheWater) {
     const double turned = (i - t) + (o - t);  // towards the axis at both
     EXPECT_NEAR(leg.direction.x, -std::sin(turned), 1e-9);
     EXPECT_NEAR(leg.direction.y, -std::cos(turned), 1e-9);
+}
+
+TEST(AdaptivePaths, AFaceInTheSurfaceOfTheWater) {
+    // The block's top or bottom lies in flat water: there is no film of water on it, above or below.
+    for (const double middle : {-0.2, 0.2}) {
+        for (const double elevation : {90.0, 55.0}) {
+            scene::FrameScene scene;
+            test::add_water(scene, 0);
+            scene::Object block = test::glass_ball({0, middle, 0}, 0, 1.6);
+            block.shape = scene::Shape::box;
+            block.size = {2, 0.4, 2};
+            // In front of it a ball that does not bend light.
+            const glm::dvec3 d = test::sun_at(elevation).direction;
+            scene.state.objects = {block, test::floor_at(-3, 10), test::glass_ball(-4.0 * d, 0.5, 1)};
+            scene.state.lights.push_back(test::sun_at(elevation));
+            const double i = (90 - elevation) * scene::kDegree, t = std::asin(std::sin(i) / 1.6);
+            const double o = std::asin(std::sin(i) / 1.333);
+            const double share = optics::f64::fresnel_transmittance(std::cos(i), std::cos(t), 1 / 1.6) *
+                                 optics::f64::fresnel_transmittance(std::cos(t), std::cos(o), 1.6 / 1.333);
+            const Traced at_block(scene, 0), at_water(scene, light::kWater), at_ball(scene, 2);
+            for (int k = 0; k < 400; ++k) {
+                const double x = 0.03 * (k % 20 - 9.7), z = 0.03 * (k / 20 - 9.7);
+                const glm::dvec3 top(x, middle + 0.2, z);
+                const VertexPaths first = at_block.at(at_block.towards(top));
+                const VertexPaths later = at_ball.at(at_ball.towards(top));
+                const VertexPaths beside = at_water.at(at_water.towards({1.5, 0, z}));
+                // The ball stands before the block's middle.
+                const double off = glm::length(glm::cross(top, d));
+                if (off > 0.49 && off < 0.51) continue;
+                if (off > 0.5) {
+                    ASSERT_TRUE(first.on_body);
+                    ASSERT_EQ(through(first).legs.size(), 1U);
+                    const PathLeg& leg = through(first).legs[0];
+                    EXPECT_TRUE(leg.in_water);
+                    EXPECT_EQ(leg.end, 1);
+                    EXPECT_NEAR(leg.throughput.y, share, 1e-9);
+                    EXPECT_FALSE(mirrored(first).legs.at(0).in_water);
+                    EXPECT_EQ(at_water.at(at_water.towards(top)).surface, 0);
+                } else {
+                    ASSERT_EQ(through(later).legs.size(), 2U);
+                    EXPECT_EQ(through(later).legs[0].end, 0);
+                    EXPECT_FALSE(through(later).legs[0].in_water);
+                    EXPECT_TRUE(through(later).legs[1].in_water);
+                    EXPECT_NEAR(through(later).legs[1].throughput.y,
+                                through(later).legs[0].throughput.y * share, 1e-9);
+                }
+                EXPECT_TRUE(beside.on_body);
+            }
+        }
+    }
+}
+
+TEST(AdaptivePaths, ALampBelowTheRestPlaneNeedsNoWater) {
+    scene::FrameScene scene;
+    scene.state.objects.push_back(test::glass_ball({0, -3, 0}, 0.5, 1.5));
+    scene.state.lights.push_back(test::lamp_at({0, -1, 0}));
+    // In the pool it stands in the water, and beside the pool in the air.
+    for (const double x : {0.0, 5.0}) {
+        for (const bool water : {false, true}) {
+            if (water) test::add_water(scene, 0);
+            scene.state.objects[0].transform.position.x = x;
+            scene.state.lights[0].position.x = x;
+            const Traced traced(scene, 0);
+            const VertexPaths ray = traced.at({0.5, 0.5});
+            ASSERT_TRUE(ray.on_body);
+            EXPECT_EQ(mirrored(ray).legs.at(0).in_water, water && x == 0);
+            EXPECT_EQ(through(ray).legs.at(0).in_water, water && x == 0);
+            const double step = 0.5 / (water && x == 0 ? 2.833 : 2.5);
+            EXPECT_NEAR(mirrored(ray).entry.y, water && x == 0 ? std::pow(0.167 / 2.833, 2) : step * step,
+                        1e-9);
+            scene.water = nullptr;
+            scene.state.water.reset();
+        }
+    }
+}
+
+TEST(AdaptivePaths, NoRayMeetsTheSurfaceThatItLeaves) {
+    // Along waves in a low sun: the nearest other wave is centimetres away.
+    scene::FrameScene scene;
+    test::add_water(scene, 0.01);
+    scene.state.lights.push_back(test::sun_at(1.5));
+    const Traced waves(scene, light::kWater);
+    // And by the outline of a ball, some metres from the origin, where floats are coarser.
+    scene::FrameScene ball;
+    ball.state.objects.push_back(test::glass_ball({9, 5, -7}, 0.5, 1.5));
+    ball.state.lights.push_back(test::sun_at(50));
+    const Traced outline(ball, 0);
+    const glm::dvec3 across =
+        0.5 * glm::normalize(glm::cross(ball.state.lights[0].direction, glm::dvec3(0.2, 0.3, 0.9)));
+    std::size_t met = 0, rim = 0;
+    for (int k = 0; k < 2000; ++k) {
+        const double part = (k + 0.5) / 2000;
+        const VertexPaths ray = waves.at({part, std::fmod(0.618034 * k, 1.0)});
+        if (ray.on_body) {
+            ++met;
+            for (const LightPath* path : {&through(ray), &mirrored(ray)})
+                EXPECT_TRUE(path->legs.at(0).end == kEndsNowhere || path->legs[0].length > 1e-3) << k;
+        }
+        const VertexPaths grazing =
+            outline.at(outline.towards(glm::dvec3(9, 5, -7) + (1 - 1e-3 * part) * across));
+        if (!grazing.on_body) continue;
+        ++rim;
+        EXPECT_EQ(through(grazing).legs.size(), 1U) << k;
+        EXPECT_EQ(mirrored(grazing).legs.at(0).end, kEndsNowhere) << k;
+    }
+    EXPECT_GT(met, 1000U);
+    EXPECT_GT(rim, 1900U);
+}
+
+TEST(AdaptivePaths, ALampInABallShinesOut) {
+    // From the middle of a ball, in air or in water, rays leave it as they are.
+    for (const bool water : {false, true}) {
+        scene::FrameScene scene;
+        if (water) test::add_water(scene, 0);
+        const glm::dvec3 center(0.2, -1, 0);
+        scene.state.objects.push_back(test::glass_ball(center, 0.4, 1.5));
+        scene.state.objects[0].material.absorption = {0.5, 1, 2};
+        scene.state.lights.push_back(test::lamp_at(center));
+        const double n = water ? 1.333 : 1;
+        const double lost = std::pow((1.5 - n) / (1.5 + n), 2);
+        const Traced traced(scene, 0);
+        for (const glm::dvec2 uv : {glm::dvec2(0.5, 0.5), {0.1, 0.7}}) {
+            const VertexPaths ray = traced.at(uv);
+            ASSERT_TRUE(ray.on_body);
+            const glm::dvec3 d = traced.view().ray(uv).direction;
+            const PathLeg& out = through(ray).legs.at(0);
+            EXPECT_LT(glm::length(out.direction - d), 1e-9);
+            EXPECT_LT(glm::length(out.start - center - 0.4 * d), 1e-9);
+            EXPECT_EQ(out.in_water, water);
+            const PathLeg& back = mirrored(ray).legs.at(0);
+            EXPECT_LT(glm::length(back.direction + d), 1e-9);
+            EXPECT_LT(glm::length(back.start - center + 0.4 * d), 1e-9);
+            EXPECT_EQ(back.in_water, water);
+            for (int c = 0; c < 3; ++c) {
+                const double way = std::exp(-0.4 * scene.state.objects[0].material.absorption[c]);
+                EXPECT_NEAR(out.throughput[c], way * (1 - lost), 1e-9);
+                EXPECT_NEAR(back.throughput[c], way * way * way * lost * (1 - lost), 1e-9);
+            }
+        }
+    }
+}
+
+TEST(AdaptivePaths, WaterWithinGlassIsNone) {
+    // A lamp in a block that reaches from the water into the air: what lies above it is the block's top.
+    scene::FrameScene scene;
+    test::add_water(scene, 0);
+    scene::Object block = test::glass_ball({0, 0, 0}, 0, 1.5);
+    block.shape = scene::Shape::box;
+    block.size = {1, 0.8, 1};
+    scene.state.objects.push_back(block);
+    scene.state.lights.push_back(test::lamp_at({0.1, -0.21, 0}));
+    const Traced at_water(scene, light::kWater), at_block(scene, 0);
+    for (int k = 0; k < 100; ++k) {
+        const glm::dvec2 uv((k % 10 + 0.5) / 10, (k / 10 + 0.5) / 10);
+        EXPECT_FALSE(at_water.at(uv).on_body);
+        const VertexPaths ray = at_block.at(uv);
+        EXPECT_TRUE(ray.on_body);
+        // The first face of the cube about the lamp looks along x: rays leave where that side is wet or dry.
+        if (through(ray).legs.empty()) continue;
+        EXPECT_EQ(through(ray).legs[0].in_water, through(ray).legs[0].start.y < 0);
+    }
 }
 
 }  // namespace

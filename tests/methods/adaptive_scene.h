@@ -24,6 +24,15 @@ inline scene::Light sun_at(double elevation_degrees) {
     return sun;
 }
 
+inline scene::Light lamp_at(const glm::dvec3& position) {
+    scene::Light lamp;
+    lamp.name = "lamp";
+    lamp.type = scene::LightType::point;
+    lamp.position = position;
+    lamp.intensity = {3, 2.5, 2};
+    return lamp;
+}
+
 inline scene::Object glass_ball(glm::dvec3 center, double radius, double index) {
     scene::Object ball;
     ball.name = "ball";

@@ -5,7 +5,9 @@
 
 #include "base/hash.h"
 #include "base/parallel.h"
-#include "optics/optics.h"
+#include "view/camera_medium.h"
+#include "view/crossing.h"
+#include "view/glass_bodies.h"
 
 namespace dapple::methods::adaptive_beams {
 namespace {
@@ -15,51 +17,13 @@ constexpr std::size_t kTile = 512;  // rays that are traced together
 /// Optical depth at which light in the water is followed no farther: 6e-6 of it are left.
 constexpr double kFadedDepth = 12;
 
-/// m: what the tracer's floats can tell two surfaces apart by, with room.
-double margin(const glm::dvec3& p) {
-    return 0x1p-21 * (1 + std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}));
-}
-
 /// Never 0, which stands for no path.
 std::uint64_t hash64(std::uint64_t a, std::uint64_t b) {
     return static_cast<std::uint64_t>(hash_bits(a, b, 0, 0)) << 32 | hash_bits(a, b, 0, 1) | 1;
 }
 
-/// Margins within which a ray that leaves a surface may meet that again, from the side where it is not.
-constexpr double kGrazingMargins = 64;
-
 double mean(const glm::dvec3& v) {
     return (v.x + v.y + v.z) / 3;
-}
-
-/// What a smooth dielectric surface does to a ray.
-struct Crossing {
-    glm::dvec3 refracted{0}, reflected{0};
-    double transmittance = 0, reflectance = 1;  ///< 0 and 1 at total reflection
-};
-
-/// `eta`: index on the side that the ray comes from over that on the other. Where an interpolated normal
-/// would send the ray to the wrong side of its triangle, the triangle's own is taken.
-Crossing cross(const glm::dvec3& direction, const view::SurfacePoint& point, double eta) {
-    using namespace optics::f64;
-    const double side = glm::dot(direction, point.geometric_normal) <= 0 ? 1 : -1;
-    const glm::dvec3 geometric = side * point.geometric_normal;
-    Crossing crossing;
-    bool transmits = false;
-    double cos_i = 0;
-    const auto try_normal = [&](const glm::dvec3& normal) {
-        cos_i = -glm::dot(direction, normal);
-        transmits = refracted_direction(direction, normal, eta, crossing.refracted);
-        crossing.reflected = reflected_direction(direction, normal);
-        return cos_i > 0 && glm::dot(crossing.reflected, geometric) > 0 &&
-               (!transmits || glm::dot(crossing.refracted, geometric) < 0);
-    };
-    if (!try_normal(side * point.shading_normal)) try_normal(geometric);
-    cos_i = std::clamp(cos_i, 0.0, 1.0);
-    const double cos_t = transmitted_cosine(cos_i, eta);
-    crossing.transmittance = transmits ? fresnel_transmittance(cos_i, cos_t, eta) : 0;
-    crossing.reflectance = transmits ? fresnel_reflectance(cos_i, cos_t, eta) : 1;
-    return crossing;
 }
 
 void grow(glm::dvec3& lower, glm::dvec3& upper, const glm::dvec3& point) {
@@ -91,11 +55,20 @@ struct PathTracer::Way {
     std::size_t vertex = 0;
     light::Event event = light::Event::transmission;
     glm::dvec3 origin{0}, direction{0};
-    double near = 0;
+    glm::dvec3 start{0};        // where it is traced from: `origin`, lifted off the surface that was left
+    double near = 0;            // m: the tracer's floats may put a point at an edge beyond the next face
     int inside = kEndsNowhere;  // the object of glass that it travels in
     bool in_water = false;      // outside glass
     glm::dvec3 throughput{1};
     std::uint64_t signature = 0;
+
+    /// Leaves a surface, on the side that it came from or the other.
+    void leave(const view::SurfacePoint& point, const view::Crossing& crossing, bool through) {
+        origin = point.position;
+        direction = glm::normalize(through ? crossing.refracted : crossing.reflected);
+        start = view::lifted(origin, (through ? -1.0 : 1.0) * crossing.normals.geometric);
+        near = view::surface_margin(origin);
+    }
 };
 
 struct PathTracer::Meeting {
@@ -105,8 +78,26 @@ struct PathTracer::Meeting {
 };
 
 PathTracer::PathTracer(const scene::FrameScene& scene, const rays::RayScene& rays, const media::Media& media,
-                       const LightView& view, int body, unsigned events)
-    : scene_(scene), rays_(rays), media_(media), view_(view), body_(body), events_(events), geometry_(scene) {
+                       const LightView& view, int body, unsigned events, double index_shift)
+    : scene_(scene),
+      rays_(rays),
+      media_(media),
+      view_(view),
+      body_(body),
+      events_(events),
+      index_shift_(index_shift),
+      geometry_(scene) {
+    if (!view.parallel()) {
+        const glm::dvec3 lamp = view.ray({0, 0}).origin;
+        const std::uint32_t holds = view::GlassBodies(scene).at(lamp);
+        if (holds != view::kNoBody) {
+            lamp_inside_ = static_cast<int>(holds);
+        } else {
+            // At the water a lamp is above or below the rest plane, as light::water_beams has it.
+            lamp_in_water_ =
+                body == light::kWater ? view.from_below() : view::point_in_water(scene, rays, lamp);
+        }
+    }
     if (rays.has_objects()) {
         glm::vec3 lower, upper;
         rays.object_bounds(lower, upper);
@@ -138,24 +129,16 @@ std::uint64_t PathTracer::surface_id(const Meeting& meeting) const {
 }
 
 double PathTracer::index_outside(bool in_water) const {
-    return in_water && scene_.state.water ? scene_.state.water->refractive_index : 1;
+    return in_water && scene_.state.water ? scene_.state.water->refractive_index + index_shift_ : 1;
 }
 
-/// Whether the point is under the water's mesh, seen straight up; beside the mesh, whether it is under the
-/// rest plane of open water.
-bool PathTracer::water_above(const glm::dvec3& point) const {
-    if (!scene_.water) return false;
-    rays::Ray up;
-    up.origin = glm::vec3(point);
-    up.direction = {0, 1, 0};
-    rays::Hit hit;
-    rays_.intersect_water({&up, 1}, {&hit, 1});
-    if (hit.primitive != rays::kNoHit) return hit.normal.y > 0;
-    const glm::dvec3 world = point + scene_.origin;
-    const scene::Extent& extent = scene_.state.water->extent;
-    const bool beside = std::abs(world.x - extent.center.x) > 0.5 * extent.size.x ||
-                        std::abs(world.z - extent.center.y) > 0.5 * extent.size.y;
-    return extent.kind == scene::ExtentKind::open_water && beside && world.y < 0;
+/// Whether what lies about a body where light leaves it is water.
+bool PathTracer::water_outside(const view::SurfacePoint& point) const {
+    return view::point_in_water(scene_, rays_, view::lifted(point.position, point.geometric_normal));
+}
+
+bool PathTracer::is_glass(std::uint32_t object) const {
+    return object != rays::kNoHit && scene_.state.objects[object].material.glass;
 }
 
 /// m: where a leg that meets nothing ends. Past it nothing is lit, and nothing scatters that could be seen.
@@ -178,21 +161,26 @@ double PathTracer::cut(const glm::dvec3& start, const glm::dvec3& direction, boo
     return in_water ? std::max(end, farthest_in_water_) : end;
 }
 
+/// How far a way may meet the water: not at all within glass (-1). Where the water and a face of glass meet,
+/// the body counts: there is no film of water.
+float PathTracer::water_before(const Way& way, const rays::Hit& object) const {
+    if (way.inside >= 0) return -1;
+    if (!is_glass(object.object)) return object.distance;
+    const auto distance = static_cast<double>(object.distance);
+    return static_cast<float>(distance - 2 * view::surface_margin(way.start + distance * way.direction));
+}
+
 void PathTracer::meet(std::span<const Way> ways, std::vector<Meeting>& meetings) const {
     std::vector<rays::Ray> rays(ways.size());
     std::vector<rays::Hit> objects(ways.size()), water(ways.size());
     for (std::size_t i = 0; i < ways.size(); ++i) {
-        rays[i].origin = glm::vec3(ways[i].origin);
+        rays[i].origin = glm::vec3(ways[i].start);
         rays[i].direction = glm::vec3(ways[i].direction);
         rays[i].near = static_cast<float>(ways[i].near);
     }
     rays_.intersect_objects(rays, objects);
     if (scene_.water) {
-        for (std::size_t i = 0; i < ways.size(); ++i) {
-            rays[i].far = objects[i].distance;
-            // Within glass there is no water.
-            if (ways[i].inside >= 0) rays[i].far = -1;
-        }
+        for (std::size_t i = 0; i < ways.size(); ++i) rays[i].far = water_before(ways[i], objects[i]);
         rays_.intersect_water(rays, water);
     }
     meetings.assign(ways.size(), Meeting{});
@@ -209,34 +197,6 @@ void PathTracer::meet(std::span<const Way> ways, std::vector<Meeting>& meetings)
             meeting.point = geometry_.object_point(meeting.hit, way.origin, way.direction);
         }
     }
-    leave_start(ways, meetings);
-}
-
-/// Looks again for those that met but the surface that they leave, from the other side: what floats round at
-/// grazing angles.
-void PathTracer::leave_start(std::span<const Way> ways, std::vector<Meeting>& meetings) const {
-    std::vector<Way> again;
-    std::vector<std::size_t> which;
-    for (std::size_t i = 0; i < ways.size(); ++i) {
-        const Way& way = ways[i];
-        const Meeting& meeting = meetings[i];
-        if (way.near == 0 || meeting.kind == Meeting::Kind::nothing) continue;
-        // By `near` too, which grows each time: so it comes to an end whatever the distance is.
-        if (std::max(way.near, meeting.point.distance) > kGrazingMargins * margin(way.origin)) continue;
-        const bool inwards = glm::dot(way.direction, meeting.point.geometric_normal) < 0;
-        const bool wrong = meeting.kind == Meeting::Kind::water
-                               ? inwards == way.in_water
-                               : inwards == (static_cast<int>(meeting.hit.object) == way.inside) &&
-                                     scene_.state.objects[meeting.hit.object].material.glass;
-        if (!wrong) continue;
-        again.push_back(way);
-        again.back().near = std::max(way.near, meeting.point.distance) + margin(way.origin);
-        which.push_back(i);
-    }
-    if (again.empty()) return;
-    std::vector<Meeting> found;
-    meet(again, found);
-    for (std::size_t i = 0; i < which.size(); ++i) meetings[which[i]] = found[i];
 }
 
 void PathTracer::start(std::size_t vertex, const Way& way, const Meeting& meeting, VertexPaths& record,
@@ -244,25 +204,33 @@ void PathTracer::start(std::size_t vertex, const Way& way, const Meeting& meetin
     record.distance = kInfinity;
     if (meeting.kind == Meeting::Kind::nothing) return;
     const bool water = meeting.kind == Meeting::Kind::water;
-    const bool outside = water ? (glm::dot(way.direction, meeting.point.geometric_normal) < 0) != way.in_water
-                               : glm::dot(way.direction, meeting.point.geometric_normal) < 0;
-    record.surface = water ? kEndsAtWater : static_cast<int>(meeting.hit.object);
+    const bool inwards = glm::dot(way.direction, meeting.point.geometric_normal) < 0;
+    const auto object = static_cast<int>(meeting.hit.object);
+    // From the side where the light is; of glass that may be the inside.
+    const bool from_light = water ? inwards != way.in_water : inwards == (object != way.inside);
+    record.surface = water ? kEndsAtWater : object;
     record.position = meeting.point.position;
     record.distance = meeting.point.distance;
-    const double side = glm::dot(way.direction, meeting.point.geometric_normal) <= 0 ? 1 : -1;
-    record.normal = side * meeting.point.shading_normal;
-    const int body = water ? light::kWater : static_cast<int>(meeting.hit.object);
-    record.on_body = body == body_ && outside;
+    record.normal = (inwards ? 1.0 : -1.0) * meeting.point.shading_normal;
+    // Light of a lamp within another body meets nothing before that one.
+    const bool enclosed = way.inside >= 0 && object != way.inside;
+    record.on_body = (water ? light::kWater : object) == body_ && from_light && !enclosed;
     if (!record.on_body || next == nullptr) return;
 
-    const double outer = index_outside(way.in_water);
-    double inner = index_outside(!way.in_water);
-    if (!water) inner = scene_.state.objects[meeting.hit.object].material.refractive_index;
-    const Crossing crossing = cross(way.direction, meeting.point, outer / inner);
+    const bool leaves_glass = way.inside >= 0;
+    const bool beyond_in_water = leaves_glass ? water_outside(meeting.point) : water && !way.in_water;
+    const auto index = [&](bool glass, bool in_water) {
+        return glass ? scene_.state.objects[meeting.hit.object].material.refractive_index
+                     : index_outside(in_water);
+    };
+    const view::Crossing crossing(
+        way.direction, meeting.point,
+        index(leaves_glass, way.in_water) / index(!water && !leaves_glass, beyond_in_water));
     double length = record.distance;
     if (view_.parallel()) length = kInfinity;
     const glm::dvec3 arriving =
-        glm::exp(-media_.optical_depth(record.position, -way.direction, length, way.in_water));
+        leaves_glass ? glm::exp(-length * scene_.state.objects[meeting.hit.object].material.absorption)
+                     : glm::exp(-media_.optical_depth(record.position, -way.direction, length, way.in_water));
     for (const light::Event event : {light::Event::transmission, light::Event::reflection}) {
         if ((events_ >> static_cast<unsigned>(event) & 1) == 0) continue;
         const bool through = event == light::Event::transmission;
@@ -270,17 +238,19 @@ void PathTracer::start(std::size_t vertex, const Way& way, const Meeting& meetin
         LightPath& path = record.paths[static_cast<std::size_t>(event)];
         path.entry = glm::dvec3(share);
         if (!(share > 0)) continue;
-        if (arriving != glm::dvec3(1)) path.losses.push_back({Cause::media, 0, share * (1.0 - arriving)});
+        if (arriving != glm::dvec3(1))
+            path.losses.push_back(
+                {leaves_glass ? Cause::glass_absorption : Cause::media, 0, share * (1.0 - arriving)});
         Way out = way;
         out.vertex = vertex;
         out.event = event;
-        out.origin = record.position;
-        out.near = margin(out.origin);
-        out.direction = through ? glm::normalize(crossing.refracted) : glm::normalize(crossing.reflected);
+        out.leave(meeting.point, crossing, through);
         out.throughput = share * arriving;
         out.signature = hash64(surface_id(meeting), through ? 0 : 1);
-        if (through && water) out.in_water = !way.in_water;
-        if (through && !water) out.inside = static_cast<int>(meeting.hit.object);
+        if (through) {
+            out.inside = water || leaves_glass ? kEndsNowhere : object;
+            out.in_water = beyond_in_water;
+        }
         next->push_back(out);
     }
 }
@@ -298,17 +268,15 @@ void PathTracer::leave_glass(Way way, const Meeting& meeting, LightPath& path, s
     const scene::Material& glass = scene_.state.objects[meeting.hit.object].material;
     const glm::dvec3 left = way.throughput * glm::exp(-glass.absorption * meeting.point.distance);
     if (left != way.throughput) path.losses.push_back({Cause::glass_absorption, leg, way.throughput - left});
-    const bool in_water = water_above(meeting.point.position);
-    const Crossing crossing =
-        cross(way.direction, meeting.point, glass.refractive_index / index_outside(in_water));
+    const bool in_water = water_outside(meeting.point);
+    const view::Crossing crossing(way.direction, meeting.point,
+                                  glass.refractive_index / index_outside(in_water));
     const bool total = !(crossing.transmittance > 0);
     path.losses.push_back(
         {total ? Cause::total_reflection : Cause::glass_reflection, leg, left * crossing.reflectance});
     if (total) return;
     way.signature = hash64(way.signature, surface_id(meeting));
-    way.origin = meeting.point.position;
-    way.near = margin(way.origin);
-    way.direction = glm::normalize(crossing.refracted);
+    way.leave(meeting.point, crossing, true);
     way.throughput = left * crossing.transmittance;
     way.inside = kEndsNowhere;
     way.in_water = in_water;
@@ -334,15 +302,13 @@ void PathTracer::enter(Way way, const Meeting& meeting, const glm::dvec3& throug
         inner = scene_.state.objects[meeting.hit.object].material.refractive_index;
         way.inside = static_cast<int>(meeting.hit.object);
     }
-    const Crossing crossing = cross(way.direction, meeting.point, outer / inner);
+    const view::Crossing crossing(way.direction, meeting.point, outer / inner);
     const bool total = !(crossing.transmittance > 0);
     path.losses.push_back(
         {total ? Cause::total_reflection : Cause::later_reflection, leg, throughput * crossing.reflectance});
     if (total) return;
     way.signature = hash64(way.signature, surface_id(meeting));
-    way.origin = meeting.point.position;
-    way.near = margin(way.origin);
-    way.direction = glm::normalize(crossing.refracted);
+    way.leave(meeting.point, crossing, true);
     way.throughput = throughput * crossing.transmittance;
     next.push_back(way);
 }
@@ -366,11 +332,11 @@ void PathTracer::go_on(const Way& way, const Meeting& meeting, VertexPaths& reco
         return;
     }
     const bool water = meeting.kind == Meeting::Kind::water;
-    leg.length = meeting.point.distance;
+    leg.length = std::max(0.0, meeting.point.distance);
     leg.end = water ? kEndsAtWater : static_cast<int>(meeting.hit.object);
     path.legs.push_back(leg);
     // A body that is met from inside is none: it is open, or others overlap it.
-    const bool enters = water || (scene_.state.objects[meeting.hit.object].material.glass &&
+    const bool enters = water || (is_glass(meeting.hit.object) &&
                                   glm::dot(way.direction, meeting.point.geometric_normal) < 0);
     if (!enters) return;
     const glm::dvec3 left =
@@ -387,9 +353,10 @@ void PathTracer::trace_tile(std::span<const glm::dvec2> uv, std::span<VertexPath
     for (std::size_t i = 0; i < uv.size(); ++i) {
         const LightRay ray = view_.ray(uv[i]);
         ways[i].vertex = i;
-        ways[i].origin = ray.origin;
+        ways[i].origin = ways[i].start = ray.origin;
         ways[i].direction = ray.direction;
-        ways[i].in_water = view_.from_below();
+        ways[i].inside = lamp_inside_;
+        ways[i].in_water = lamp_in_water_;
         vertices[i] = VertexPaths{};
         vertices[i].falloff = view_.falloff(uv[i]);
     }

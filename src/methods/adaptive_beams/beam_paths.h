@@ -69,7 +69,7 @@ struct LightPath {
 
 /// What one ray of a light met.
 struct VertexPaths {
-    bool on_body = false;            ///< the first surface is the body of the view, met from outside
+    bool on_body = false;            ///< the first surface is the body of the view, met from the light's side
     int surface = kEndsNowhere;      ///< what it met first, as PathLeg::end
     glm::dvec3 position{0};          ///< m, of the first surface
     glm::dvec3 normal{0};            ///< unit, towards the light
@@ -90,9 +90,13 @@ struct SurfaceTexel {
 /// which primitive is met. Thread-safe.
 class PathTracer {
 public:
-    /// `events`: bit light::Event is set for those that are asked for at the first surface.
+    /// `events`: bit light::Event is set for those that are asked for at the first surface. `index_shift` is
+    /// added to the water's refractive index.
     PathTracer(const scene::FrameScene& scene, const rays::RayScene& rays, const media::Media& media,
-               const LightView& view, int body, unsigned events);
+               const LightView& view, int body, unsigned events, double index_shift = 0);
+
+    /// The object of glass that the lamp lies in, or kEndsNowhere.
+    int lamp_inside() const { return lamp_inside_; }
 
     /// What rays met, an entry a (u, v); on all threads.
     void trace(std::span<const glm::dvec2> uv, std::span<VertexPaths> vertices) const;
@@ -105,14 +109,15 @@ private:
     struct Meeting;
     void trace_tile(std::span<const glm::dvec2> uv, std::span<VertexPaths> vertices, bool follow) const;
     void meet(std::span<const Way> ways, std::vector<Meeting>& meetings) const;
-    void leave_start(std::span<const Way> ways, std::vector<Meeting>& meetings) const;
+    float water_before(const Way& way, const rays::Hit& object) const;
     void start(std::size_t vertex, const Way& way, const Meeting& meeting, VertexPaths& record,
                std::vector<Way>* next) const;
     void go_on(const Way& way, const Meeting& meeting, VertexPaths& record, std::vector<Way>& next) const;
     void leave_glass(Way way, const Meeting& meeting, LightPath& path, std::vector<Way>& next) const;
     void enter(Way way, const Meeting& meeting, const glm::dvec3& throughput, LightPath& path,
                std::vector<Way>& next) const;
-    bool water_above(const glm::dvec3& point) const;
+    bool water_outside(const view::SurfacePoint& point) const;
+    bool is_glass(std::uint32_t object) const;
     double cut(const glm::dvec3& start, const glm::dvec3& direction, bool in_water) const;
     std::uint64_t surface_id(const Meeting& meeting) const;
     double index_outside(bool in_water) const;
@@ -123,6 +128,9 @@ private:
     const LightView& view_;
     int body_;
     unsigned events_;
+    double index_shift_;
+    int lamp_inside_ = kEndsNowhere;
+    bool lamp_in_water_ = false;
     view::SurfaceGeometry geometry_;
     glm::dvec3 lower_{std::numeric_limits<double>::infinity()};  ///< m, of all that can be lit
     glm::dvec3 upper_{-std::numeric_limits<double>::infinity()};

@@ -21,40 +21,19 @@ constexpr double kWidestView = 75 * scene::kDegree;
 /// a pool meet it. 4e-6 of its light are left out.
 constexpr double kRoom = -1e-6;
 
-/// Points whose hull holds the body, relative to the frame's origin; a sphere is said apart.
-struct Body {
-    std::vector<glm::dvec3> points;
-    bool round = false;
-    glm::dvec3 center{0};
-    glm::dmat3 offset_from_unit{1};
-
-    /// Least and greatest of dot(point, axis).
-    glm::dvec2 range(glm::dvec3 axis) const {
-        if (round) {
-            const double middle = glm::dot(center, axis);
-            const double reach = glm::length(glm::transpose(offset_from_unit) * axis);
-            return {middle - reach, middle + reach};
-        }
-        glm::dvec2 found(std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity());
-        for (const glm::dvec3& point : points) {
-            const double along = glm::dot(point, axis);
-            found = {std::min(found.x, along), std::max(found.y, along)};
-        }
-        return found;
+BodyHull hull_of_water(const scene::FrameScene& scene) {
+    BodyHull body;
+    if (!scene.water) return body;
+    for (const glm::dvec3& point : scene.water->mesh.positions) {
+        const glm::dvec3 relative = point - scene.origin;
+        if (glm::dot(relative, relative) < std::numeric_limits<double>::infinity())
+            body.points.push_back(relative);
     }
-};
+    return body;
+}
 
-Body body_of(const scene::FrameScene& scene, int index) {
-    Body body;
-    if (index == light::kWater) {
-        for (const glm::dvec3& point : scene.water->mesh.positions) {
-            const glm::dvec3 relative = point - scene.origin;
-            if (glm::dot(relative, relative) < std::numeric_limits<double>::infinity())
-                body.points.push_back(relative);
-        }
-        return body;
-    }
-    const auto i = static_cast<std::size_t>(index);
+BodyHull hull_of_object(const scene::FrameScene& scene, std::size_t i) {
+    BodyHull body;
     const scene::Object& object = scene.state.objects[i];
     const glm::dmat4 matrix = scene::relative_from_object(object.transform, scene.origin);
     if (object.shape == scene::Shape::sphere) {
@@ -78,7 +57,8 @@ Body body_of(const scene::FrameScene& scene, int index) {
 
 /// Least and greatest tangents of the body's directions from a lamp towards `across`, about `axis`. False
 /// where some direction is farther from the axis than kWidestView.
-bool tangents(const Body& body, glm::dvec3 position, glm::dvec3 axis, glm::dvec3 across, glm::dvec2& range) {
+bool tangents(const BodyHull& body, glm::dvec3 position, glm::dvec3 axis, glm::dvec3 across,
+              glm::dvec2& range) {
     if (!body.round) {
         range = {std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
         for (const glm::dvec3& point : body.points) {
@@ -112,16 +92,33 @@ glm::dvec2 widened(glm::dvec2 range) {
 
 }  // namespace
 
+glm::dvec2 BodyHull::range(const glm::dvec3& axis) const {
+    if (round) {
+        const double middle = glm::dot(center, axis);
+        const double reach = glm::length(glm::transpose(offset_from_unit) * axis);
+        return {middle - reach, middle + reach};
+    }
+    glm::dvec2 found(std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity());
+    for (const glm::dvec3& point : points) {
+        const double along = glm::dot(point, axis);
+        found = {std::min(found.x, along), std::max(found.y, along)};
+    }
+    return found;
+}
+
 class LightViewMaker {
 public:
-    LightViewMaker(const scene::FrameScene& scene, int light, int index)
-        : scene_(scene),
+    LightViewMaker(const scene::FrameScene& scene, const std::vector<BodyHull>& objects,
+                   const BodyHull& water, int light, int index)
+        : objects_(objects),
+          all_water_(water),
+          origin_(scene.origin),
           light_(scene.state.lights[static_cast<std::size_t>(light)]),
           water_(index == light::kWater),
-          body_(body_of(scene, index)) {}
+          body_(water_ ? water : objects[static_cast<std::size_t>(index)]) {}
 
     std::vector<LightView> make(glm::dvec3 direction, double share) const {
-        if (body_.points.empty() && !body_.round) return {};
+        if (body_.empty()) return {};
         if (light_.type == scene::LightType::sun) return sun(direction, share);
         if (light_.position.y == 0 && water_) return {};
         return lamp();
@@ -144,10 +141,8 @@ private:
         const glm::dvec2 u = widened(body_.range(to_u)), v = widened(body_.range(to_v));
         // Before the body, and before all that may stand between it and the sky.
         double first = body_.range(direction).x;
-        for (int i = 0; i < static_cast<int>(scene_.state.objects.size()); ++i)
-            first = std::min(first, body_of(scene_, i).range(direction).x);
-        if (!water_ && scene_.water)
-            first = std::min(first, body_of(scene_, light::kWater).range(direction).x);
+        for (const BodyHull& object : objects_) first = std::min(first, object.range(direction).x);
+        first = std::min(first, all_water_.range(direction).x);
         first -= 1e-3 * (1 + std::abs(first));
         const glm::dvec3 corner = u.x * plane[0] + v.x * plane[1];
         view.along_u_ = (u.y - u.x) * plane[0];
@@ -165,7 +160,7 @@ private:
         LightView view;
         view.parallel_ = false;
         view.color_ = light_.intensity;
-        view.position_ = light_.position - scene_.origin;
+        view.position_ = light_.position - origin_;
         view.from_below_ = light_.position.y < 0;
         view.spot_ = light_.type == scene::LightType::spot;
         view.direction_ = light_.direction;
@@ -225,10 +220,12 @@ private:
         view.along_v_ = (v.y - v.x) * frame[1];
     }
 
-    const scene::FrameScene& scene_;
+    const std::vector<BodyHull>& objects_;
+    const BodyHull& all_water_;
+    glm::dvec3 origin_;
     const scene::Light& light_;
     bool water_;
-    Body body_;
+    const BodyHull& body_;
 };
 
 LightRay LightView::ray(glm::dvec2 uv) const {
@@ -256,9 +253,18 @@ double LightView::falloff(glm::dvec2 uv) const {
     return optics::f64::spot_light_falloff(glm::dot(ray(uv).direction, direction_), cos_outer_, cos_inner_);
 }
 
-std::vector<LightView> light_views(const scene::FrameScene& scene, int light, glm::dvec3 direction,
-                                   double share, int body) {
-    return LightViewMaker(scene, light, body).make(direction, share);
+LightView LightView::in_channels(const glm::dvec3& mask) const {
+    LightView view = *this;
+    view.color_ *= mask;
+    return view;
+}
+
+LightViews::LightViews(const scene::FrameScene& scene) : scene_(scene), water_(hull_of_water(scene)) {
+    for (std::size_t i = 0; i < scene.state.objects.size(); ++i) objects_.push_back(hull_of_object(scene, i));
+}
+
+std::vector<LightView> LightViews::of(int light, glm::dvec3 direction, double share, int body) const {
+    return LightViewMaker(scene_, objects_, water_, light, body).make(direction, share);
 }
 
 }  // namespace dapple::methods::adaptive_beams

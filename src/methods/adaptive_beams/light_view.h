@@ -27,8 +27,10 @@ public:
     bool parallel() const { return parallel_; }
     /// W/m^2 or W/sr a channel that a unit of extent() stands for, but for the falloff.
     const glm::dvec3& color() const { return color_; }
-    /// Whether the light is under water.
+    /// Whether the light is a lamp below the rest plane of the water.
     bool from_below() const { return from_below_; }
+    /// The same rays, of the channels in `mask` (1; others 0) only.
+    LightView in_channels(const glm::dvec3& mask) const;
 
 private:
     friend class LightViewMaker;
@@ -45,13 +47,35 @@ private:
     double cos_inner_ = 1;
 };
 
-/// The views of one light that cover a body (light::kWater or an index into FrameState::objects): one, or up
-/// to six faces of a cube about a lamp that the body surrounds. `direction` is that of the sun's disc to look
-/// along, and `share` the share of the light that it stands for; lamps ignore the direction. Empty where the
-/// light does not reach: a sun that has set, or a lamp in the plane of the water. A body each has a view of
-/// its own, where Liktor and Dachsbacher (section 4.1) put all into one: a coarse grid then fits a small body
-/// in a wide pool too, and a low sun does not stretch it.
-std::vector<LightView> light_views(const scene::FrameScene& scene, int light, glm::dvec3 direction,
-                                   double share, int body);
+/// Points whose hull holds a body, relative to FrameScene::origin; a sphere is said apart.
+struct BodyHull {
+    std::vector<glm::dvec3> points;
+    bool round = false;
+    glm::dvec3 center{0};
+    glm::dmat3 offset_from_unit{1};
+
+    bool empty() const { return points.empty() && !round; }
+    /// Least and greatest of dot(point, axis).
+    glm::dvec2 range(const glm::dvec3& axis) const;
+};
+
+/// Finds the views of a frame's lights; the frame outlives it.
+class LightViews {
+public:
+    explicit LightViews(const scene::FrameScene& scene);
+
+    /// The views of one light that cover a body (light::kWater or an index into FrameState::objects): one, or
+    /// up to six faces of a cube about a lamp that the body surrounds. `direction` is that of the sun's disc
+    /// to look along, and `share` the share of the light that it stands for; lamps ignore the direction.
+    /// Empty where the light does not reach: a sun that has set, or a lamp in the plane of the water. A body
+    /// each has a view of its own, where Liktor and Dachsbacher (section 4.1) put all into one: a coarse grid
+    /// then fits a small body in a wide pool too, and a low sun does not stretch it.
+    std::vector<LightView> of(int light, glm::dvec3 direction, double share, int body) const;
+
+private:
+    const scene::FrameScene& scene_;
+    std::vector<BodyHull> objects_;
+    BodyHull water_;
+};
 
 }  // namespace dapple::methods::adaptive_beams

@@ -16,6 +16,8 @@ namespace dapple::methods::adaptive_beams {
 /// object (with `paper_faithful` they may not). A beam of the last level at an outline is cut there; with
 /// `paper_faithful` it is left out.
 ///
+/// Where the water's dispersion is not 0, what goes through it has paths of its own for red, green and blue.
+///
 /// Stats: "light on specular surfaces, W" is what the lights send into the chains' first events, but for what
 /// media take before; the first legs' flux and all that is "lost ..., W" there add up to it. Later legs carry
 /// what legs before them bring, less media and what is "lost ..." there.
