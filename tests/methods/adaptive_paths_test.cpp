@@ -194,7 +194,8 @@ TEST(AdaptivePaths, AFaceInTheSurfaceOfTheWater) {
                                  optics::f64::fresnel_transmittance(std::cos(t), std::cos(o), 1.6 / 1.333);
             const Traced at_block(scene, 0), at_water(scene, light::kWater), at_ball(scene, 2);
             for (int k = 0; k < 400; ++k) {
-                const double x = 0.03 * (k % 20 - 9.7), z = 0.03 * (k / 20 - 9.7);
+                const int row = k / 20, column = k % 20;
+                const double x = 0.03 * (column - 9.7), z = 0.03 * (row - 9.7);
                 const glm::dvec3 top(x, middle + 0.2, z);
                 const VertexPaths first = at_block.at(at_block.towards(top));
                 const VertexPaths later = at_ball.at(at_ball.towards(top));
@@ -326,7 +327,8 @@ TEST(AdaptivePaths, WaterWithinGlassIsNone) {
     scene.state.lights.push_back(test::lamp_at({0.1, -0.21, 0}));
     const Traced at_water(scene, light::kWater), at_block(scene, 0);
     for (int k = 0; k < 100; ++k) {
-        const glm::dvec2 uv((k % 10 + 0.5) / 10, (k / 10 + 0.5) / 10);
+        const int row = k / 10, column = k % 10;
+        const glm::dvec2 uv((column + 0.5) / 10, (row + 0.5) / 10);
         EXPECT_FALSE(at_water.at(uv).on_body);
         const VertexPaths ray = at_block.at(uv);
         EXPECT_TRUE(ray.on_body);
