@@ -328,11 +328,12 @@ TEST(ReferenceMedia, LightsShareNoRandomNumbers) {
     Frame frame(state);
     frame.rays.emplace(frame.scene);
     const reference::WaterRays water(frame.scene);
+    const reference::GlassBodies glass(frame.scene);
     const reference::OwnMedia media(frame.scene);
     std::set<std::uint64_t> seen;
     std::size_t rays = 0;
     for (const std::uint32_t index : {0u, 1u, 255u, 256u, 257u}) {
-        const reference::Lamp lamp(frame.scene, *frame.rays, water, media, index);
+        const reference::Lamp lamp(frame.scene, *frame.rays, water, glass, media, index);
         reference::MediaProbe probe(media);
         for (const reference::Incoming& light : lamp.shine({0, 64}, 0, 64, probe)) {
             seen.insert(light.random);
