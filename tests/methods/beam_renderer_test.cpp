@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/constants.hpp>
+#include <limits>
 
 #include "closed_form/beam_sheets.h"
 #include "closed_form/flat_scene.h"
@@ -33,12 +34,13 @@ struct Drawn {
 };
 
 Drawn draw(const scene::FrameScene& scene, const std::vector<BeamSet>& sets,
-           VolumeKind volumes = VolumeKind::six_triangles, Shading shading = Shading::exact) {
+           VolumeKind volumes = VolumeKind::six_triangles, Shading shading = Shading::exact,
+           std::uint64_t largest_buffer = std::numeric_limits<std::uint64_t>::max()) {
     Drawn drawn;
     const rays::RayScene rays(scene);
     view::LayerCounts counts;
     drawn.receivers = view::trace_layer(scene, rays, {}, counts, &drawn.segments);
-    BeamRenderer renderer(test::validated_device());
+    BeamRenderer renderer(test::validated_device(), largest_buffer);
     renderer.begin(scene, sets, volumes, shading, drawn.stats);
     drawn.sums = renderer.render(&drawn.segments, &drawn.receivers, drawn.stats);
     return drawn;
@@ -285,15 +287,15 @@ TEST(Paper, HasTheSameSumsUnderFlatWater) {
     EXPECT_LT(std::max({e_error.x, e_error.y, e_error.z}), 0.002);
 }
 
-TEST(HardCases, AreFinite) {
-    // All rays of a lens meet in one point, 1 m deep; the camera looks through it, and along the axis.
+/// 32 W. All rays meet a line 1 m deep, and another 1 / `across` m deep; with 1 they meet in a point.
+BeamSet lens_of_beams(float across) {
     BeamSet lens;
     lens.in_water = true;
     lens.world_from_mesh = glm::dmat3(glm::dvec3(1, 0, 0), glm::dvec3(0, 0, 1), glm::dvec3(0, -1, 0));
     for (int row = 0; row <= 4; ++row)
         for (int column = 0; column <= 4; ++column) {
             const float a = 0.1f * static_cast<float>(column - 2), b = 0.1f * static_cast<float>(row - 2);
-            lens.vertices.push_back({a, b, -a, -b, 0, 3});
+            lens.vertices.push_back({a, b, -a, -across * b, 0, 3});
         }
     for (std::uint32_t row = 0; row < 4; ++row)
         for (std::uint32_t column = 0; column < 4; ++column) {
@@ -303,7 +305,83 @@ TEST(HardCases, AreFinite) {
         }
     lens.flux.assign(lens.triangles.size(), glm::vec3(1));
     lens.ends_on.assign(lens.triangles.size(), 0);
-    const std::vector<BeamSet> sets{lens};
+    return lens;
+}
+
+TEST(Focus, SendsItsFluxOn) {
+    scene::FrameScene scene = flat_scene(0, 4);
+    scene.state.water->absorption = scene.state.water->scattering = glm::dvec3(0);
+    scene.state.clip.width = scene.state.clip.height = 128;
+    scene.state.camera.projection = scene::Projection::orthographic;
+    scene.state.camera.up = {0, 0, -1};
+    for (const double depth : {0.5, 1.3, 3.0}) {
+        scene.state.objects[0] = test::level_plane("floor", -depth, 100);
+        scene.state.camera.position = {0, -depth + 0.05, 0};
+        scene.state.camera.target = {0, -depth, 0};
+        // The light is 0.4 m wide at the surface, |1 - depth| times that in x on the floor and |1 - depth /
+        // 2| in z.
+        scene.state.camera.view_height = 0.5 * std::max(std::abs(1 - depth), std::abs(1 - 0.5 * depth));
+        const Drawn drawn = draw(scene, {lens_of_beams(0.5f)});
+        EXPECT_GT(drawn.stats.counted("beams with turning areas"), 0);
+        double flux = 0;
+        for (const glm::vec3& e : drawn.sums.irradiance) flux += static_cast<double>(e.g);
+        const double pixel = scene.state.camera.view_height / scene.state.clip.height;
+        flux *= pixel * pixel;
+        printf("floor at %.1f m: %.3f W of 32\n", depth, flux);
+        // Pixels along the rim are in or out: 410 of 10 500, of which about as many are too much as too
+        // little.
+        EXPECT_NEAR(flux, 32, 0.02 * 32);
+    }
+}
+
+TEST(Phase, IsTheSameFromATable) {
+    scene::FrameScene scene = wavy_scene(20, 0.004);
+    const rays::RayScene rays(scene);
+    const std::vector<BeamSet> sets = test::drawn_sheets(scene, rays, kFloor);
+    const Drawn lobes = draw(scene, sets);
+    // The same function, every half degree.
+    scene::PhaseFunction& phase = scene.state.water->phase;
+    phase.type = scene::PhaseType::table;
+    for (int i = 0; i <= 360; ++i) {
+        const double angle = 0.5 * i * scene::kDegree, g = phase.anisotropy;
+        phase.samples.push_back({angle, (1 - g * g) / std::pow(1 + g * g - 2 * g * std::cos(angle), 1.5)});
+    }
+    const Drawn table = draw(scene, sets);
+    double worst = 0;
+    for (std::size_t i = 0; i < lobes.receivers.pixels(); ++i) {
+        ASSERT_GT(lobes.sums.scattered[i].g, 0);
+        worst = std::max(worst, std::abs(static_cast<double>(table.sums.scattered[i].g) /
+                                             static_cast<double>(lobes.sums.scattered[i].g) -
+                                         1));
+    }
+    printf("phase function from a table: S off by %.1e\n", worst);
+    // Linear between values: (half a degree)^2 / 8 p'' / p.
+    EXPECT_LT(worst, 1e-3);
+}
+
+TEST(Parts, OfASetGiveTheSamePicture) {
+    scene::FrameScene scene = flat_scene(0, 4);
+    scene.state.camera.position = {0.3, -1, 0.9};
+    scene.state.camera.target = {0, -1.6, 0};
+    const std::vector<BeamSet> sets{lens_of_beams(0.5f)};
+    const Drawn whole = draw(scene, sets);
+    EXPECT_EQ(whole.stats.counted("beams with turning areas"), 32);
+    // Five beams, or those with 62 areas.
+    const Drawn parts = draw(scene, sets, VolumeKind::six_triangles, Shading::exact, 1000);
+    double sum = 0;
+    for (std::size_t i = 0; i < whole.receivers.pixels(); ++i) {
+        // Sums of the same in another order.
+        EXPECT_NEAR(parts.sums.scattered[i].g, whole.sums.scattered[i].g, 1e-5);
+        EXPECT_NEAR(parts.sums.irradiance[i].g, whole.sums.irradiance[i].g, 1e-4);
+        sum += static_cast<double>(whole.sums.scattered[i].g);
+    }
+    EXPECT_GT(sum, 0);
+    EXPECT_EQ(parts.stats.counted("beam fragments"), whole.stats.counted("beam fragments"));
+}
+
+TEST(HardCases, AreFinite) {
+    // The camera looks through a focus, and along the axis.
+    const std::vector<BeamSet> sets{lens_of_beams(1)};
     scene::FrameScene scene = flat_scene(0, 4);
     scene.state.clip.width = scene.state.clip.height = 33;  // the middle pixel looks through the focus
     for (const double scattering : {0.0, 0.3, 1e5}) {

@@ -7,12 +7,12 @@
 namespace dapple::methods::adaptive_beams {
 namespace {
 
-/// Halvings of an edge: what is lost is then a 4096th of it.
-constexpr int kHalvings = 12;
+/// Halvings of an edge: what is lost is then a millionth of it: lines of black pixels are rare.
+constexpr int kHalvings = 20;
 /// Times that a piece is cut again where more than two kinds of paths meet in it.
 constexpr int kRounds = 4;
 /// What lies between the corners of a cut piece is lost where it is smaller than this against the piece: with
-/// paths of two kinds it is, being a 4096th wide.
+/// paths of two kinds it is, being a millionth wide.
 constexpr double kSliver = 1e-3;
 
 /// Beams that carry less than this against the mean beam of their chain are left out: near total reflection

@@ -42,7 +42,7 @@ struct BeamHarvest {
 
 /// Cuts triangles of rays so that the three rays of each piece have one and the same path, and makes beams of
 /// the pieces, leg by leg. Where two rays of an edge have different paths, the place between them where the
-/// path changes is found by halving; what lies between its two sides, a 4096th of the edge, is lost at
+/// path changes is found by halving; what lies between its two sides, a millionth of the edge, is lost at
 /// silhouettes. (Liktor and Dachsbacher 2011, 4.1, leave out the whole triangle; `keep_whole` does so.) An
 /// edge is cut in the same places for both its triangles. New rays are appended to `rays`.
 BeamHarvest cut_into_beams(const PathTracer& tracer, const LightView& view, light::Event event,
