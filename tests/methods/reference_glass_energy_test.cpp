@@ -13,7 +13,7 @@ namespace {
 using namespace test;
 
 /// Traces all of one source, and prints where its light went.
-reference::EnergyAccount account_of(const scene::FrameState& state, std::vector<light::Chain> chains,
+reference::EnergyAccount account_of(const scene::FrameState& state, const std::vector<light::Chain>& chains,
                                     std::size_t strata = 1 << 16) {
     GlassFrame frame(state);
     const rays::RayScene rays(frame.scene);
