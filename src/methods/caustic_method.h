@@ -23,6 +23,9 @@ struct Support {
     enum class Degree { yes, partly, no };
     Degree degree = Degree::yes;
     std::string reason;
+    /// Of light that media scatter: on which sides of the water it knows media.
+    bool in_air = true;
+    bool in_water = true;
 };
 
 /// What a method can say of itself, a value a pixel: "paths.count", "E.variance.R".
@@ -32,7 +35,7 @@ struct DataLayer {
 };
 
 /// E for one receiver layer, width * height entries: the mean over the cell of the pixel that the sample
-/// stands for (Camera::sample_cell).
+/// stands for (Camera::sample_cell); where supports_surface() says so the value at its point.
 struct LayerResult {
     std::vector<glm::vec3> irradiance;  ///< W/m^2; 0 where not covered
     std::vector<std::uint8_t> covered;  ///< 1 where the method answers for this receiver

@@ -199,8 +199,8 @@ private:
         const std::string pass = light::chain_name(state_, chain);
         const std::string no_receivers = why_no_receivers(sides);
         const bool serves_volume = volume_support_.degree != methods::Support::Degree::no;
-        const Sides media{serves_volume && sides.above && media_.scatters(false),
-                          serves_volume && sides.below && media_.scatters(true)};
+        const Sides media{serves_volume && volume_support_.in_air && sides.above && media_.scatters(false),
+                          serves_volume && volume_support_.in_water && sides.below && media_.scatters(true)};
         if (!no_receivers.empty() && !media) {
             add(pass, false, no_receivers);
             return;

@@ -169,6 +169,24 @@ TEST(AdaptiveBeamsClass, CoversWhatTheCameraSeesDirectly) {
     }
 }
 
+TEST(AdaptiveBeamsClass, SaysWhatItLeavesOutAndWhatItNeeds) {
+    scene::FrameState state = pool(50).state;
+    state.water->scattering = glm::dvec3(0.1);
+    const methods::AdaptiveBeams method;
+    EXPECT_EQ(method.supports_surface(state).reason.find("bounded media"), std::string::npos);
+    EXPECT_EQ(method.supports_volume(state).reason.find("bounded media"), std::string::npos);
+    EXPECT_FALSE(method.supports_volume(state).in_air);
+    state.media.emplace_back();
+    EXPECT_NE(method.supports_surface(state).reason.find("bounded media"), std::string::npos);
+    EXPECT_NE(method.supports_volume(state).reason.find("bounded media"), std::string::npos);
+    // At least the texels of a view, and twice as many beams for twice the bodies.
+    const std::size_t water = method.bytes(state, 0);
+    EXPECT_GT(water, 4u * 8 * 8 * 48);
+    state.objects.push_back(test::glass_ball({0, 1, 0}, 0.3, 1.5));
+    EXPECT_GT(method.bytes(state, 0), 2 * water);
+    EXPECT_GT(method.bytes(state, 1000), method.bytes(state, 0));
+}
+
 TEST(Ends, OfBeamsOnAShelfLeaveTheFloorBelowItDark) {
     scene::FrameScene scene = pool(90);
     scene.state.water->absorption = scene.state.water->scattering = glm::dvec3(0);

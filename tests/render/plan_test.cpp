@@ -18,10 +18,14 @@ public:
         return {degree_, "the reason"};
     }
     methods::Support supports_volume(const scene::FrameState&) const override {
-        return {volume_degree_, "the volume's reason"};
+        return {.degree = volume_degree_, .reason = "the volume's reason", .in_air = media_in_air_};
     }
     bool serves_behind_specular() const override { return behind_specular_; }
     bool follows_glass() const override { return follows_glass_; }
+    TellingMethod& without_media_in_air() {
+        media_in_air_ = false;
+        return *this;
+    }
     TellingMethod& following_glass() {
         follows_glass_ = true;
         return *this;
@@ -34,6 +38,7 @@ public:
 private:
     bool behind_specular_;
     bool follows_glass_ = false;
+    bool media_in_air_ = true;
     Degree degree_;
     Degree volume_degree_;
 };
@@ -63,6 +68,27 @@ scene::FrameState pool() {
     scene::FrameState state = test::pool_over_floor(4, 2, 1, 8);
     state.lights = {test::sun_from_zenith(20)};
     return state;
+}
+
+TEST(Plan, CreditsAMethodWithMediaOfTheSidesThatItKnows) {
+    scene::FrameState state = pool();
+    state.water->scattering = glm::dvec3(0.1);
+    scene::Medium fog;
+    fog.name = "fog";
+    fog.type = scene::MediumType::box;
+    fog.side = scene::MediumSide::air;
+    state.media = {fog};
+    scene::FrameScene scene = scene_of(state);
+    scene.medium_grids.resize(1);
+    using enum methods::Support::Degree;
+    TellingMethod knows(true, yes, yes);
+    const render::Plan both = render::make_plan(scene, knows);
+    EXPECT_EQ(line(both, "sun > water:R").decision, "yes");
+    TellingMethod not_in_air(true, yes, yes);
+    const render::Plan plan = render::make_plan(scene, not_in_air.without_media_in_air());
+    EXPECT_EQ(line(plan, "sun > water:R").decision, "no");
+    EXPECT_EQ(line(plan, "sun > water:T").decision, "yes");
+    EXPECT_TRUE(plan.volume_caustics);
 }
 
 TEST(Plan, NoWaterNoCaustics) {

@@ -17,6 +17,9 @@ using adaptive_beams::VolumeKind;
 
 namespace {
 
+/// Views of a lamp that is surrounded.
+constexpr double kLampFaces = 6;
+
 /// E of a layer that was drawn together with its S.
 struct KeptIrradiance {
     int sample;
@@ -40,33 +43,45 @@ struct AdaptiveBeams::State {
 AdaptiveBeams::AdaptiveBeams() : state_(std::make_unique<State>()) {}
 AdaptiveBeams::~AdaptiveBeams() = default;
 
-Support AdaptiveBeams::supports_surface(const scene::FrameState&) const {
-    return {Support::Degree::partly,
-            "receivers that the camera sees neither through nor by water, mirrors or glass"};
+Support AdaptiveBeams::supports_surface(const scene::FrameState& state) const {
+    std::string reason =
+        "E at the sample's point, of receivers that the camera sees neither through nor by water, mirrors or "
+        "glass";
+    if (!state.media.empty()) reason += "; bounded media do not dim light after its last specular surface";
+    return {Support::Degree::partly, reason};
 }
 
 Support AdaptiveBeams::supports_volume(const scene::FrameState& state) const {
     if (!state.water || state.water->scattering == glm::dvec3(0))
         return {Support::Degree::no, "of media it knows the water itself, which does not scatter here"};
-    return {
-        Support::Degree::partly,
-        state.media.empty()
-            ? "where the camera looks through neither water's surface, mirrors nor glass"
-            : "of the water itself, where the camera looks through neither its surface, mirrors nor glass"};
+    std::string reason = "where the camera looks through neither water's surface, mirrors nor glass";
+    if (!state.media.empty()) {
+        reason =
+            "of the water itself, where the camera looks through neither its surface, mirrors nor glass; "
+            "bounded media neither scatter its light nor dim it after its last specular surface";
+    }
+    return {.degree = Support::Degree::partly, .reason = reason, .in_air = false};
 }
 
 std::size_t AdaptiveBeams::bytes(const scene::FrameState& state, std::size_t pixels) const {
-    // Four pictures, two buffers of their size and the sums of a layer, of up to four layers kept. Beams at
-    // worst: all cells of the grid split at every level, in the sets of all lights.
-    constexpr double a_pixel = 6 * sizeof(glm::vec4) + 6 * sizeof(glm::vec3);
-    constexpr double a_beam = 520;
+    // Five pictures, three buffers of their size and the sums of a layer, of up to four layers kept. Beams at
+    // worst: all cells of the grid split at every level, for each body, each part or face of a light and
+    // both events, in three colours where the water parts them; on up to three legs where glass sends light
+    // on. Of one view at a time there are its texels and its rays with their paths.
+    constexpr double a_pixel = 8 * sizeof(glm::vec4) + 6 * sizeof(glm::vec3);
+    constexpr double a_beam = 520, a_ray = 1200;
     const scene::AdaptiveBeamsParameters& parameters = state.caustics.adaptive_beams;
     const double side = static_cast<double>(parameters.grid) * static_cast<double>(1 << parameters.levels);
-    double sets = 0;
+    double bodies = state.water ? 1 : 0, views = 0;
+    for (const scene::Object& object : state.objects) bodies += object.material.glass ? 1 : 0;
     for (const scene::Light& light : state.lights)
-        sets += light.type == scene::LightType::sun ? 2.0 * parameters.sun_samples : 2.0;
-    return static_cast<std::size_t>(
-        std::min(0x1p61, a_pixel * static_cast<double>(pixels) + sets * 2 * side * side * a_beam));
+        views += light.type == scene::LightType::sun ? parameters.sun_samples : kLampFaces;
+    const double legs = scene::has_glass(state) ? 3 : 1;
+    const double colors = state.water && state.water->dispersion != 0 ? 3 : 1;
+    const double texels = 48 * std::min(4 * side * side, 2048.0 * 2048);
+    const double beams = bodies * views * 2 * colors * legs * 2 * side * side;
+    return static_cast<std::size_t>(std::min(
+        0x1p61, a_pixel * static_cast<double>(pixels) + texels + 2 * a_ray * side * side + beams * a_beam));
 }
 
 void AdaptiveBeams::begin(FrameContext& context) {
