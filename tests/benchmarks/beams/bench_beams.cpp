@@ -1,9 +1,9 @@
-// coverage: what sliced_beams costs by itself: beams, pyramid and coverage of a million receivers on a curved
+// coverage: what sliced_beams costs by itself: beams, pyramid and coverage of receivers on a curved
 // and sloped floor, seen in perspective, under 24 waves, without shadow rays. Arguments: cells along x, depth
-// of the floor [m]; 1 m down it is seen at grazing angles up to the horizon, above which a quarter of the
-// pixels have no receiver. level_floor: a 512^2 level floor 2 m down with all that it needs, and its L1
-// distance from the light under a mesh of 4096^2 cells; waves of 0.25 to 3 m, elsewhere of 0.15 to 1.2 m.
-// cpu_s is process CPU time of all threads.
+// of the floor [m], side of the picture [pixels]; 1 m down it is seen at grazing angles up to the horizon,
+// above which a quarter of the pixels have no receiver. level_floor: a 512^2 level floor 2 m down with all
+// that it needs, and its L1 distance from the light under a mesh of 4096^2 cells; waves of 0.25 to 3 m,
+// elsewhere of 0.15 to 1.2 m. cpu_s is process CPU time of all threads.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
@@ -27,11 +27,9 @@ using methods::sliced_beams::QueryCounts;
 using methods::sliced_beams::ReceiverGroup;
 using methods::sliced_beams::SheetCoverage;
 
-constexpr int kSide = 1024;
-
-scene::FrameState sea(int cells, double shortest, double longest) {
+scene::FrameState sea(int cells, double shortest, double longest, int side = 512) {
     scene::FrameState state;
-    state.clip.width = state.clip.height = kSide;
+    state.clip.width = state.clip.height = side;
     state.clip.samples = 1;
     scene::Water& water = state.water.emplace();
     water.extent.size = {12, 12};
@@ -52,9 +50,10 @@ scene::FrameState sea(int cells, double shortest, double longest) {
 view::ReceiverLayer floor_layer(const scene::FrameState& state, double depth) {
     scene::Camera camera = state.camera;
     camera.target = {0, -depth, 0};
-    const view::Camera view(camera, kSide, kSide);
+    const int side = state.clip.width;
+    const view::Camera view(camera, side, side);
     view::ReceiverLayer layer;
-    layer.width = layer.height = kSide;
+    layer.width = layer.height = side;
     layer.flags.assign(layer.pixels(), 0);
     layer.object.assign(layer.pixels(), 0);
     layer.position.resize(layer.pixels());
@@ -72,10 +71,11 @@ view::ReceiverLayer floor_layer(const scene::FrameState& state, double depth) {
             point = origin + ((height(point.x, point.z) - origin.y) / direction.y) * direction;
         return point;
     };
-    parallel_for(kSide, 8, [&](std::size_t begin, std::size_t end) {
+    const auto rows = static_cast<std::size_t>(side);
+    parallel_for(rows, 8, [&](std::size_t begin, std::size_t end) {
         for (std::size_t row = begin; row < end; ++row) {
-            for (std::size_t column = 0; column < kSide; ++column) {
-                const std::size_t i = row * kSide + column;
+            for (std::size_t column = 0; column < rows; ++column) {
+                const std::size_t i = row * rows + column;
                 const double x = static_cast<double>(column) + 0.5, y = static_cast<double>(row) + 0.5;
                 glm::dvec3 origin, direction;
                 view.ray({x, y}, origin, direction);
@@ -120,7 +120,7 @@ std::vector<glm::vec3> irradiance_of(const SheetCoverage<float>& sheet, const vi
 void coverage(benchmark::State& bench) {
     const double depth = static_cast<double>(bench.range(1));
     scene::FrameScene scene;
-    scene.state = sea(static_cast<int>(bench.range(0)), 0.15, 1.2);
+    scene.state = sea(static_cast<int>(bench.range(0)), 0.15, 1.2, static_cast<int>(bench.range(2)));
     scene.water = std::make_shared<scene::WaterMesh>(ocean::WaterSurface(*scene.state.water).mesh(0));
     const rays::RayScene rays(scene);
     const view::ReceiverLayer layer = floor_layer(scene.state, depth);
@@ -156,17 +156,21 @@ void coverage(benchmark::State& bench) {
     bench.counters["coverage_cpu_s"] = coverage_s / n;
     bench.counters["mean_E"] = mean;
     bench.counters["receivers"] = static_cast<double>(receivers);
-    bench.counters["clusters_a_tile"] = static_cast<double>(all.clusters) / (kSide * kSide / 64.0);
+    bench.counters["clusters_a_tile"] =
+        static_cast<double>(all.clusters) / (static_cast<double>(layer.pixels()) / 64);
 }
 BENCHMARK(coverage)
-    ->Args({512, 2})
-    ->Args({1024, 2})
-    ->Args({2048, 2})
-    ->Args({4096, 2})
-    ->Args({1024, 1})
-    ->Args({1024, 4})
-    ->Args({512, 8})
-    ->Args({1024, 8})
+    ->Args({512, 2, 1024})
+    ->Args({1024, 2, 1024})
+    ->Args({2048, 2, 1024})
+    ->Args({4096, 2, 1024})
+    ->Args({1024, 1, 1024})
+    ->Args({1024, 4, 1024})
+    ->Args({1024, 2, 256})
+    ->Args({1024, 2, 512})
+    ->Args({1024, 2, 2048})
+    ->Args({512, 8, 1024})
+    ->Args({1024, 8, 1024})
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
 
@@ -176,7 +180,7 @@ view::ReceiverLayer level_layer() {
     constexpr float kPixel = 4.0f / kPixels;
     view::ReceiverLayer layer;
     layer.width = layer.height = kPixels;
-    layer.flags.assign(layer.pixels(), 0);
+    layer.flags.assign(layer.pixels(), view::kReceiver | view::kInWater);
     layer.object.assign(layer.pixels(), 0);
     layer.footprint_u.assign(layer.pixels(), {kPixel, 0, 0});
     layer.footprint_v.assign(layer.pixels(), {0, 0, kPixel});
