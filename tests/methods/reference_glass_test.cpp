@@ -148,7 +148,8 @@ TEST(ReferenceGlass, BallLens) {
         // Flux through the disc of pixels about the axis.
         double found = 0, variance = 0, exact = 0;
         for (int i = 0; i < pixels * pixels; ++i) {
-            const double x = i % pixels + 0.5 - 0.5 * pixels, z = i / pixels + 0.5 - 0.5 * pixels;
+            const int column = i % pixels, row = i / pixels;
+            const double x = column + 0.5 - 0.5 * pixels, z = row + 0.5 - 0.5 * pixels;
             if (std::hypot(x, z) > 0.25 * pixels) continue;
             const auto at = static_cast<std::size_t>(i);
             found += pixel * static_cast<double>(result.irradiance[at].x);
