@@ -52,7 +52,8 @@ TEST(ReferenceVolume, FlatWaterToAQuarterOfAPercent) {
     const view::Camera camera(state.camera, 1, 1);
     for (int i = 0; i < 10000; ++i) {
         glm::dvec3 origin, way;
-        camera.ray({(i % 100 + 0.5) / 100, (i / 100 + 0.5) / 100}, origin, way);
+        const int column = i % 100, row = i / 100;
+        camera.ray({(column + 0.5) / 100, (row + 0.5) / 100}, origin, way);
         exact += 1e-4 * flat_water_scatter(state, 35, -origin.y, way, to_objects(origin, way), 1, 0.6);
     }
     printf("%.6f +- %.6f of %.6f\n", result.irradiance[0].y, std::sqrt(result.data[1].values[0]), exact);
