@@ -23,7 +23,8 @@ std::vector<Row> read_rows(const char* file) {
     std::ifstream in(file);
     if (!in) throw std::runtime_error(std::string(file) + ": cannot be opened");
     std::vector<Row> rows;
-    for (const auto& entry : nlohmann::json::parse(in).at("benchmarks")) {
+    const nlohmann::json measured = nlohmann::json::parse(in);
+    for (const auto& entry : measured.at("benchmarks")) {
         std::istringstream name(entry.at("name").get<std::string>());
         Row row;
         std::string part;
