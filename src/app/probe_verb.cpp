@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
@@ -12,6 +13,7 @@
 #include "render/probe.h"
 #include "run/job.h"
 #include "timeline/timeline.h"
+#include "view/camera_paths.h"
 
 namespace dapple::app {
 namespace {
@@ -198,7 +200,8 @@ Json to_json(const scene::FrameState& state, const ProbedReceiver& receiver) {
 void print_json(const scene::FrameState& state, glm::dvec2 place, const std::vector<ProbedView>& views) {
     Json json = {{"v", 1}, {"frame", state.frame}, {"place", {place.x, place.y}}, {"views", Json::array()}};
     for (const ProbedView& view : views) {
-        Json entry = {{"sees", name_of(view.sees)}, {"throughput", to_json(view.throughput)}};
+        Json entry = {
+            {"branch", view.branch}, {"sees", name_of(view.sees)}, {"throughput", to_json(view.throughput)}};
         if (view.receiver) entry["receiver"] = to_json(state, *view.receiver);
         json["views"].push_back(std::move(entry));
     }
@@ -226,8 +229,11 @@ ExitCode probe(const Arguments& arguments, bool frame_given) {
     }
     std::printf("frame %lld, picture point (%s, %s), ", static_cast<long long>(state.frame),
                 number(place.x).c_str(), number(place.y).c_str());
-    print_view(state, views[0], "");
-    if (views.size() > 1) print_view(state, views[1], "\nthe reflected path of the first split, ");
+    constexpr std::array<const char*, view::kBranches> kNames{
+        "", "\nthe reflected path of the first split, ", "\nthe weaker path of the second split, ",
+        "\nthe reflected path of the first split, the weaker of the second, "};
+    for (const ProbedView& view : views)
+        print_view(state, view, kNames[static_cast<std::size_t>(view.branch)]);
     return ExitCode::done;
 }
 

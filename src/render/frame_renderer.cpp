@@ -139,23 +139,25 @@ private:
         return rays::RayScene(scene_);
     }
 
-    /// Samples [first, first + count): their first branches at one go, then the second branches of those that
+    /// Samples [first, first + count): their first branches at one go, then the other branches of those that
     /// split.
     void render_batch(int first, int count) {
         std::vector<TracedLayer> layers;
-        std::vector<bool> splits;
-        for (int i = 0; i < count; ++i) {
-            view::LayerCounts counts;
-            layers.push_back(trace(first + i, 0, counts));
-            splits.push_back(counts.split_pixels > 0);
-        }
+        std::vector<view::LayerCounts> first_branches;
+        for (int i = 0; i < count; ++i) layers.push_back(trace(first + i, 0, first_branches.emplace_back()));
         render_layers(std::move(layers));
-        for (int i = 0; i < count; ++i) {
-            if (!splits[static_cast<std::size_t>(i)]) continue;
+        const auto render_branch = [&](int sample, int branch) {
             view::LayerCounts counts;
-            layers.clear();
-            layers.push_back(trace(first + i, 1, counts));
-            render_layers(std::move(layers));
+            std::vector<TracedLayer> layer;
+            layer.push_back(trace(sample, branch, counts));
+            render_layers(std::move(layer));
+            return counts;
+        };
+        for (int i = 0; i < count; ++i) {
+            const view::LayerCounts& refracted = first_branches[static_cast<std::size_t>(i)];
+            if (refracted.split_again_pixels > 0) render_branch(first + i, 2);
+            if (refracted.split_pixels > 0 && render_branch(first + i, 1).split_again_pixels > 0)
+                render_branch(first + i, 3);
         }
     }
 

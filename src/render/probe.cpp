@@ -88,11 +88,12 @@ std::vector<ProbedView> probe(const scene::FrameState& state, glm::dvec2 place) 
     request.offset = place - corner;
     request.window = {glm::ivec2(corner), {1, 1}};
     std::vector<ProbedView> views;
-    for (const int branch : {0, 1}) {
+    const auto follow = [&](int branch) {
         request.branch = branch;
         view::LayerCounts counts;
         const view::ReceiverLayer layer = view::trace_layer(scene, rays, request, counts);
         ProbedView& found = views.emplace_back();
+        found.branch = branch;
         found.throughput = glm::dvec3(layer.throughput[0]);
         if (layer.flags[0] & view::kReceiver) {
             found.sees = ProbedView::Sees::receiver;
@@ -100,8 +101,13 @@ std::vector<ProbedView> probe(const scene::FrameState& state, glm::dvec2 place) 
         } else if (layer.flags[0] & view::kEnvironment) {
             found.sees = ProbedView::Sees::sky;
         }
-        if (counts.split_pixels == 0) break;
-    }
+        return counts;
+    };
+    const view::LayerCounts refracted = follow(0);
+    const bool splits = refracted.split_pixels > 0;
+    const bool reflected_splits = splits && follow(1).split_again_pixels > 0;
+    if (refracted.split_again_pixels > 0) follow(2);
+    if (reflected_splits) follow(3);
     return views;
 }
 

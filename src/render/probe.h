@@ -38,6 +38,7 @@ struct ProbedReceiver {
 /// The end of one camera path of a pixel.
 struct ProbedView {
     enum class Sees { receiver, sky, nothing };
+    int branch = 0;  ///< view::LayerRequest
     Sees sees = Sees::nothing;
     glm::dvec3 throughput{0, 0, 0};  ///< share of the end's radiance that the pixel gets
     std::optional<ProbedReceiver> receiver;
@@ -47,9 +48,8 @@ struct ProbedView {
 std::string object_name(const scene::FrameState& state, std::uint32_t object);
 
 /// Follows the camera paths of a point of the picture (pixel coordinates: the first pixel's centre is at 0.5)
-/// and lists the light paths to their ends, on the water mesh; none that met glass. One view, and a second,
-/// of the reflected path, where the first Fresnel split has two. Casts no light and needs no device. Errors:
-/// Error(input_unreadable).
+/// and lists the light paths to their ends, on the water mesh; none that met glass. A view a branch that the
+/// path has, in their order. Casts no light and needs no device. Errors: Error(input_unreadable).
 std::vector<ProbedView> probe(const scene::FrameState& state, glm::dvec2 place);
 
 }  // namespace dapple::render

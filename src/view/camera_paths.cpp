@@ -70,7 +70,12 @@ private:
     bool is_glass(std::uint32_t object) const;
     void end_at_receiver(const Path& path, const rays::Hit& hit, const SurfacePoint& surface) const;
     void end_in_environment(const Path& path) const;
-    bool wanted(const Path& path) const { return request_.branch == 0 || path.split; }
+    bool reflects_first() const { return request_.branch % 2 == 1; }
+    bool takes_weaker() const { return request_.branch >= 2; }
+    /// Whether this branch is the one that a path's next piece belongs to.
+    bool wanted(const Path& path) const {
+        return takes_weaker() ? path.split_again : !reflects_first() || path.split;
+    }
 
     const scene::FrameScene& scene_;
     const rays::RayScene& rays_;
@@ -231,15 +236,23 @@ bool LayerTracer::cross(Path& path, const SurfacePoint& surface, double eta, Lay
     const Crossing crossing(path.direction, surface, eta);
     bool refracts = crossing.transmittance > 0;
     if (crossing.transmittance > 0 && crossing.reflectance > 0) {
+        const bool refraction_is_stronger = crossing.transmittance >= crossing.reflectance;
+        const double weaker =
+            mean(path.throughput) * (refraction_is_stronger ? crossing.reflectance : crossing.through());
         if (!path.split) {
             path.split = true;
             ++counts.split_pixels;
-            refracts = request_.branch == 0;
+            refracts = !reflects_first();
+        } else if (!path.split_again && weaker >= kWorthFollowing) {
+            path.split_again = true;
+            ++counts.split_again_pixels;
+            refracts = refraction_is_stronger != takes_weaker();
         } else {
-            refracts = crossing.transmittance >= crossing.reflectance;
-            ++counts.dropped_splits;
-            counts.dropped_weight +=
-                mean(path.throughput) * (refracts ? crossing.reflectance : crossing.through());
+            if (wanted(path)) {
+                ++counts.dropped_splits;
+                counts.dropped_weight += weaker;
+            }
+            refracts = refraction_is_stronger;
         }
     }
     move_to(path, surface);
@@ -262,7 +275,7 @@ bool LayerTracer::mirror(Path& path, const SurfacePoint& surface, const glm::dve
 
 bool LayerTracer::may_go_on(Path& path, LayerCounts& counts) const {
     if (path.events == kLongestChain) {
-        ++counts.longest_chain_hits;
+        if (wanted(path)) ++counts.longest_chain_hits;
         return false;
     }
     ++path.events;
@@ -393,6 +406,7 @@ ReceiverLayer trace_layer(const scene::FrameScene& scene, const rays::RayScene& 
     counts = LayerCounts{};
     for (const LayerCounts& part : parts) {  // in order of the tiles: the same bits on any number of threads
         counts.split_pixels += part.split_pixels;
+        counts.split_again_pixels += part.split_again_pixels;
         counts.dropped_splits += part.dropped_splits;
         counts.dropped_weight += part.dropped_weight;
         counts.longest_chain_hits += part.longest_chain_hits;

@@ -13,6 +13,12 @@ namespace dapple::view {
 /// Specular events after which a path is given up and counted.
 constexpr int kLongestChain = 8;
 
+/// Choices at Fresnel splits that a path has.
+constexpr int kBranches = 4;
+/// Throughput (mean of the channels) of a side of a split that has a branch of its own; a face of glass
+/// reflects 0.04 upright.
+constexpr double kWorthFollowing = 0.05;
+
 /// Whether the camera is under water in this frame: below the first crossing of the water mesh above it;
 /// where the mesh does not cover it, below the rest plane of open water. A camera at the surface (nearer to
 /// it than 2^-20 of its distance from FrameScene::origin plus 1 m) is under it. An orthographic camera is
@@ -20,11 +26,12 @@ constexpr int kLongestChain = 8;
 bool camera_in_water(const scene::FrameScene& scene);
 
 /// Follows one camera path a pixel through water, glass and mirrors to its receiver (at most kLongestChain
-/// specular events). `branch` 0 takes, at the first Fresnel split, the refracted ray (weight T), 1 the
-/// reflected ray (weight F); pixels that do not split are in branch 0 only (in branch 1 their flags are 0 and
-/// their throughput 0). At total reflection the whole weight goes with branch 0. Later splits follow the
-/// stronger side with weight 1 - loss and what is dropped is counted. The sample is
-/// Camera::sample_offset(sample, samples).
+/// specular events). A `branch` is a choice at Fresnel splits. At the first split branches 0 and 2 take the
+/// refracted ray (weight T), 1 and 3 the reflected one (weight F). At the first later split whose weaker side
+/// has a throughput of at least kWorthFollowing, 0 and 1 take the stronger side, 2 and 3 the weaker. Pixels
+/// that do not split so are in branch 0 only, or in 0 and 1 (in others their flags and their throughput are
+/// 0). At total reflection the whole weight goes on. Other splits follow the stronger side, and what is
+/// dropped is counted. The sample is Camera::sample_offset(sample, samples).
 ///
 /// Throughput carries, from the pixel outwards, Fresnel's share, (n_from / n_to)^2 at each crossing (radiance
 /// scales by n^2), exp(-optical depth) of the media on each way and the colour of each mirror. Open water
@@ -49,7 +56,9 @@ struct LayerRequest {
 };
 struct LayerCounts {
     std::size_t split_pixels = 0;  ///< pixels whose path splits: branch 1 is worth tracing where this is > 0
-    std::size_t dropped_splits = 0;  ///< later splits of which only the stronger side was followed
+    /// Pixels whose path splits again: branch + 2 is worth tracing where this is > 0.
+    std::size_t split_again_pixels = 0;
+    std::size_t dropped_splits = 0;  ///< later splits of which only one side is followed in any branch
     double dropped_weight = 0;       ///< sum of the throughput so dropped (mean over channels)
     std::size_t longest_chain_hits = 0;
 };

@@ -25,7 +25,8 @@ struct Path {
     int events = 0;
     bool in_water = false;         ///< false within a body of glass
     std::uint32_t body = kNoBody;  ///< the object of glass that it travels in
-    bool split = false;
+    bool split = false;            ///< it has met a Fresnel split
+    bool split_again = false;      ///< and a later one of which both sides are worth following
     bool left_rest_plane = false;
 };
 

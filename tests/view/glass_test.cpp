@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -59,6 +60,41 @@ void expect_near(const glm::vec3& found, const glm::dvec3& expected, double shar
 }
 
 constexpr std::uint32_t kThroughGlass = kReceiver | kBehindSpecular;
+
+/// Beyond the first split the weaker side of the next one has a branch where it is worth following: with what
+/// is dropped after that the branches carry everything.
+TEST(Glass, ASlabSeenAtAGrazeHasABranchForEachSide) {
+    ViewScene scene(7, 5);
+    scene.look_in_parallel({-4, 2, 0.5}, {0, 1, 0}, 0.1);
+    add_glass(scene, scene::Shape::box, {0, 0.8, 0}, {20, 0.4, 20}).material.absorption = glm::dvec3(0);
+    scene.add_floor(-1);
+    std::array<LayerCounts, kBranches> counts;
+    std::array<ReceiverLayer, kBranches> layers;
+    for (int branch = 0; branch < kBranches; ++branch) {
+        const auto b = static_cast<std::size_t>(branch);
+        layers[b] = scene.trace(branch, &counts[b]);
+    }
+    const double cos_i = -ray_of(scene, 0).direction.y;
+    const Crossing in = cross_surface(cos_i, 1, kGlass);
+    const double through = in.transmittance, back = 1 - through;
+    ASSERT_GT(through * back, kWorthFollowing * kGlass * kGlass);
+    EXPECT_EQ(counts[0].split_again_pixels, 35u);
+    EXPECT_EQ(counts[1].split_again_pixels, 0u) << "the reflected path meets nothing more";
+    EXPECT_EQ(counts[0].dropped_splits, 0u);
+    EXPECT_EQ(counts[2].dropped_splits, 35u) << "after two reflections within";
+    const std::array<double, kBranches> share{through * through, back, through * back * through, 0};
+    for (std::size_t i = 0; i < 35; ++i) {
+        double sum = 0;
+        for (std::size_t b = 0; b < layers.size(); ++b) {
+            expect_near(layers[b].throughput[i], glm::dvec3(share[b]));
+            sum += static_cast<double>(layers[b].throughput[i].x);
+        }
+        EXPECT_NEAR(sum, 1 - through * back * back, 1e-6);
+        EXPECT_EQ(layers[0].flags[i], kThroughGlass);
+        EXPECT_EQ(layers[2].flags[i], kEnvironment | kBehindSpecular);
+        EXPECT_EQ(layers[3].flags[i], 0u);
+    }
+}
 
 /// A slab moves what is seen through it sideways by t sin(i - t) / cos t and dims it by both crossings; the
 /// two factors n^2 cancel.

@@ -4,6 +4,7 @@
 #include "methods/reference/camera_segments.h"
 #include "methods/reference/reference_state.h"
 #include "methods/reference/volume_pass.h"
+#include "view/camera_paths.h"
 
 namespace dapple::methods {
 
@@ -75,8 +76,8 @@ void Reference::in_scatter(FrameContext& context, const view::SegmentLayer& laye
         std::vector<glm::dvec3> found;
         scene::ReferenceParameters wanted = context.scene.state.caustics.reference;
         wanted.standard_error *= std::sqrt(context.scene.state.clip.samples);
-        const auto first_pass =
-            reference::kPasses * static_cast<std::uint64_t>(2 * layer.sample + layer.branch);
+        const int layer_number = view::kBranches * layer.sample + layer.branch;
+        const auto first_pass = reference::kPasses * static_cast<std::uint64_t>(layer_number);
         while (!estimate.done) {
             const LightPass light_pass{first_pass + estimate.passes,
                                        static_cast<std::size_t>(estimate.strata)};
