@@ -15,7 +15,7 @@ FN uint edge_verdict_of(uint index, OraclePush push) {
 }
 
 // Looks at all texels of the light's view whose middles the triangle holds: a body that the corners missed, a
-// hole, and waves shorter than the edges.
+// hole, edges in the picture that a spot throws, and waves shorter than the edges.
 FN uint triangle_verdict_of(uint index, OraclePush push) {
     OracleTriangle triangle = triangles[index];
     OracleVertex a = vertices[triangle.corner[0]];
@@ -51,6 +51,10 @@ FN uint triangle_verdict_of(uint index, OraclePush push) {
             if (min(min(of_b, of_c), real(1.0) - of_b - of_c) < real(0.0)) continue;
             OracleTexel texel = texels[y * push.texels + x];
             any = any || texel.on_body != 0u;
+            if (push.textured != 0u && texel.on_body != 0u) {
+                real even = a.falloff + of_b * (b.falloff - a.falloff) + of_c * (c.falloff - a.falloff);
+                if (abs(texel.light - even) > kFalloffError) return kHidden;
+            }
             if (met != (texel.on_body != 0u ? 3u : 0u)) return dark ? kKept : kHidden;
             if (met == 0u || dark) continue;
             real3 normal = normalize(a.normal + of_b * (b.normal - a.normal) + of_c * (c.normal - a.normal));

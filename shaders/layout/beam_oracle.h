@@ -20,7 +20,7 @@ struct OracleVertex {
     vec3 normal;    // unit, towards the light
     vec2 uv;        // texels of the light's view
     float depth;    // m, from the light's start; 0 where the ray misses the body
-    float falloff;  // of a spot, relative to its axis
+    float falloff;  // of a spot, relative to its axis, times its picture, over the brightest texel
     uint on_body;   // 1 where the ray meets the body
     uint ends;      // of all surfaces and ends of its legs
 };
@@ -39,6 +39,7 @@ struct OracleTriangle {
 struct OracleTexel {
     vec3 normal;   // unit, towards the light; 0 where the body is not met
     uint on_body;  // 1 where the body is met
+    float light;   // as OracleVertex::falloff, mean over the texel; read where `textured`
 };
 
 struct OraclePush {
@@ -49,6 +50,7 @@ struct OraclePush {
     float reflection;    // rad that a reflected one does
     uint texels;         // along each side of the light's view
     uint count;          // of invocations with something to do
+    uint textured;       // 1: the light is a spot that throws a picture
 };
 
 LAYOUT_END

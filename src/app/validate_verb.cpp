@@ -5,6 +5,7 @@
 
 #include "app/verbs.h"
 #include "color/grader.h"
+#include "render/texture_files.h"
 #include "run/job.h"
 #include "run/output_paths.h"
 #include "run/timeline_source.h"
@@ -29,6 +30,7 @@ ExitCode validate(const Arguments& arguments) {
     const std::vector<std::string> inputs = timeline.input_files();
     run::check_readable(inputs);
     const scene::FrameState state = timeline.at(clip.first_frame);
+    render::check_light_textures(state);
     const color::Grader grader(run::view_settings(state.output));
     const run::OutputPaths paths("out/" + clip.name, clip.name);
 

@@ -135,7 +135,9 @@ glm::vec3 Texture::bilinear(const Level& level, glm::vec2 uv) {
                     glm::mix(texel(left, top + 1), texel(left + 1, top + 1), right_share), bottom_share);
 }
 
-glm::vec3 Texture::sample(glm::vec2 uv, float uv_width) const {
+/// Between the two levels whose texels are about as wide as the footprint; `lookup` is bilinear.
+template <class Lookup>
+glm::vec3 Texture::trilinear(float uv_width, const Lookup& lookup) const {
     const float texels = uv_width * static_cast<float>(std::max(width(), height()));
     const float coarsest = static_cast<float>(levels_.size() - 1);
     // Not (texels <= 1), so that a footprint of NaN takes the sharp picture instead of a level that does not
@@ -143,8 +145,20 @@ glm::vec3 Texture::sample(glm::vec2 uv, float uv_width) const {
     const float level = texels > 1 ? std::min(std::log2(texels), coarsest) : 0.0f;
     const auto finer = static_cast<std::size_t>(level);
     const float share = level - static_cast<float>(finer);
-    const glm::vec3 value = bilinear(levels_[finer], uv);
-    return share > 0 ? glm::mix(value, bilinear(levels_[finer + 1], uv), share) : value;
+    const glm::vec3 value = lookup(levels_[finer]);
+    return share > 0 ? glm::mix(value, lookup(levels_[finer + 1]), share) : value;
+}
+
+glm::vec3 Texture::sample(glm::vec2 uv, float uv_width) const {
+    return trilinear(uv_width, [&](const Level& level) { return bilinear(level, uv); });
+}
+
+glm::vec3 Texture::sample_once(glm::vec2 uv, float uv_width) const {
+    return trilinear(uv_width, [&](const Level& level) {
+        // Between the middles of the outermost texels nothing is repeated.
+        const glm::vec2 half = 0.5f / glm::vec2(level.width, level.height);
+        return bilinear(level, glm::clamp(uv, half, 1.0f - half));
+    });
 }
 
 }  // namespace dapple::image

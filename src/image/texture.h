@@ -32,6 +32,11 @@ public:
     /// longer side or less it is the bilinear value of the full picture, which is exact at texel centres; at
     /// 1 the mean.
     glm::vec3 sample(glm::vec2 uv, float uv_width) const;
+    /// The same of the picture once, its outermost texels going on for ever.
+    glm::vec3 sample_once(glm::vec2 uv, float uv_width) const;
+
+    /// The full picture, as the constructor takes it.
+    std::span<const float> rgb() const { return levels_.front().rgb; }
 
 private:
     struct Level {
@@ -41,6 +46,8 @@ private:
     };
     static Level halved(const Level& finer);
     static glm::vec3 bilinear(const Level& level, glm::vec2 uv);
+    template <class Lookup>
+    glm::vec3 trilinear(float uv_width, const Lookup& lookup) const;
 
     std::vector<Level> levels_;  ///< the full picture first, one pixel last
 };

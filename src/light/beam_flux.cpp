@@ -92,6 +92,15 @@ auto with_rays(const WaterLight& light, Body&& body) {
     }
 }
 
+/// Mean of the light's picture over a triangle of the water.
+double picture_on(const WaterLight& light, const scene::TriangleMesh& mesh, glm::uvec3 t) {
+    if (light.picture == nullptr) return 1;
+    const std::array<glm::dvec3, 3> ways{mesh.positions[t.x] - light.position,
+                                         mesh.positions[t.y] - light.position,
+                                         mesh.positions[t.z] - light.position};
+    return light.picture->mean(ways)[light.channel];
+}
+
 double event_share(Event event, double cos_i, double eta) {
     const double cos_t = optics::f64::transmitted_cosine(cos_i, eta);
     return event == Event::transmission ? optics::f64::fresnel_transmittance(cos_i, cos_t, eta)
@@ -232,7 +241,7 @@ FluxSurvey fill_flux(const scene::TriangleMesh& mesh, const WaterLight& light, d
     const auto flux_of = [&](const auto& rays, std::size_t index, FluxSurvey& survey) {
         const glm::uvec3 t = mesh.triangles[index];
         const glm::dvec3 area = twice_area(mesh, t);
-        const double met = incident(rays, mesh, t, side, area);
+        double met = incident(rays, mesh, t, side, area);
         if (!(std::abs(met) < kInfinity)) {
             ++survey.losses.unknown_facets;
             return 0.0;
@@ -247,6 +256,7 @@ FluxSurvey fill_flux(const scene::TriangleMesh& mesh, const WaterLight& light, d
         } else if (!events.absorbed.empty()) {
             share.absorbed = (events.absorbed[t.x] + events.absorbed[t.y] + events.absorbed[t.z]) / 3;
         }
+        if (share.carried > 0 || share.absorbed > 0) met *= picture_on(light, mesh, t);
         survey.losses.absorbed += met * share.absorbed;
         double flux = met * share.carried;
         if (!visible.empty()) {

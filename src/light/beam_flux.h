@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "light/beam_axes.h"
+#include "light/spot_picture.h"
 #include "light/water_beams.h"
 #include "scene/frame_scene.h"
 
@@ -23,6 +24,8 @@ struct WaterLight {
     /// Optical depth from the light to each vertex of the water mesh, where there is more than the water on
     /// the way; else empty.
     std::span<const float> depths = {};
+    const SpotPicture* picture = nullptr;  ///< of a spot that throws one
+    int channel = 1;                       ///< of the picture
 
     double side() const { return from_below ? -1 : 1; }  ///< times a water normal: towards the light
 };
@@ -60,7 +63,8 @@ struct FluxSurvey {
 double incident_on_triangle(const scene::TriangleMesh& mesh, glm::uvec3 triangle, const WaterLight& light);
 
 /// Fills `sheet.flux` with the triangles whose first axis is `axis_index`: light met, times the mean share of
-/// the three vertices, times `visible` (a triangle; empty: 1).
+/// the three vertices, times the mean of the light's picture over the triangle, times `visible` (a triangle;
+/// empty: 1).
 template <class Real>
 FluxSurvey fill_flux(const scene::TriangleMesh& mesh, const WaterLight& light, double eta,
                      const VertexEvents& events, const std::vector<float>& visible, int axis_index,

@@ -46,11 +46,14 @@ struct BeamMesh {
     /// Flux of the vertex's cell of the caustic map, after Fresnel, of a light of unit irradiance (sun: m^2)
     /// or unit intensity (point, spot: sr); times the light's colour it is W.
     std::vector<float> flux;
+    /// Mean of a spot's picture over the vertex's cell, a channel, which times `flux` is what the vertex
+    /// carries; empty without a picture.
+    std::vector<glm::vec3> tint;
     /// 1 where there is a ray; differences between neighbours mean something only between two such. Elsewhere
     /// origin and slope are finite and flux is 0. A shadowed ray is one, of flux 0.
     std::vector<std::uint8_t> valid;
     /// Flux that met the water but fits no mesh (directions outside the cone about the axis), same unit as
-    /// `flux`.
+    /// `flux`, of the light's own mean colour where it has a picture.
     double lost_flux = 0;
     std::size_t vertices() const { return origin.size(); }
 };

@@ -9,6 +9,7 @@
 #include "layout/caustic_map.h"
 #include "light/light_shadows.h"
 #include "light/map_plan.h"
+#include "light/spot_picture.h"
 #include "light/surface_flux.h"
 #include "spirv/light_beam_rays_comp.h"
 #include "spirv/light_caustic_map_frag.h"
@@ -103,8 +104,39 @@ BeamMesh empty_mesh(const scene::FrameScene& scene, const MapPlan& plan, int lig
     return mesh;
 }
 
+/// What a lamp's picture lets through the texels of a map.
+class MapTint {
+public:
+    MapTint(const scene::FrameScene& scene, const MapPlan& plan, int light)
+        : plan_(plan), light_(scene.state.lights[static_cast<std::size_t>(light)]), picture_(scene, light) {}
+
+    bool exists() const { return picture_.exists(); }
+
+    /// Mean over a texel, by its corners on the rest plane.
+    glm::vec3 of(std::size_t vertex) const {
+        const std::size_t columns = static_cast<std::size_t>(plan_.columns);
+        const glm::dvec2 low = plan_.corner + glm::dvec2(vertex % columns, vertex / columns) * plan_.texel;
+        const auto way = [&](double x, double z) {
+            return glm::dvec3(low.x + x * plan_.texel.x, 0, low.y + z * plan_.texel.y) - light_.position;
+        };
+        return glm::vec3(0.5 * (picture_.mean({way(0, 0), way(0, 1), way(1, 1)}) +
+                                picture_.mean({way(0, 0), way(1, 1), way(1, 0)})));
+    }
+
+    /// Of the light's own colour, all channels together.
+    double share_of(glm::vec3 tint) const {
+        const double all = light_.intensity.r + light_.intensity.g + light_.intensity.b;
+        return all > 0 ? glm::dot(light_.intensity, glm::dvec3(tint)) / all : 0;
+    }
+
+private:
+    const MapPlan& plan_;
+    const scene::Light& light_;
+    SpotPicture picture_;
+};
+
 /// Takes `rays` into the mesh from vertex `first` on; returns the number of those that carry light.
-std::size_t take_rays(std::span<const BeamRay> rays, std::size_t first, BeamMesh& mesh) {
+std::size_t take_rays(std::span<const BeamRay> rays, std::size_t first, const MapTint& tint, BeamMesh& mesh) {
     constexpr std::size_t kTile = 1 << 14;
     struct Sum {
         double lost = 0;
@@ -120,8 +152,15 @@ std::size_t take_rays(std::span<const BeamRay> rays, std::size_t first, BeamMesh
             mesh.start[first + i] = ray.start;
             mesh.flux[first + i] = std::max(0.0f, ray.flux);
             mesh.valid[first + i] = ray.flux >= 0 ? 1 : 0;
-            sum.lost += static_cast<double>(ray.lost);
-            sum.photons += ray.flux > 0 ? 1 : 0;
+            double lost = static_cast<double>(ray.lost);
+            if (tint.exists() && (ray.flux > 0 || ray.lost > 0)) {
+                const glm::vec3 let_through = tint.of(first + i);
+                mesh.tint[first + i] = let_through;
+                if (let_through == glm::vec3(0)) mesh.flux[first + i] = 0;
+                lost *= tint.share_of(let_through);
+            }
+            sum.lost += lost;
+            sum.photons += mesh.flux[first + i] > 0 ? 1 : 0;
         }
         tiles[begin / kTile] = sum;
     });
@@ -152,6 +191,8 @@ struct CausticMapper::State {
         gpu::Buffer buffer(device, "beam rays", batch * columns * sizeof(BeamRay));
         BeamRaysPush push =
             rays_push(scene, plan, scene.state.lights[static_cast<std::size_t>(mesh.light)], mesh);
+        const MapTint tint(scene, plan, mesh.light);
+        if (tint.exists()) mesh.tint.resize(mesh.vertices(), glm::vec3(0));
         std::size_t photons = 0;
         for (std::size_t row = 0; row < static_cast<std::size_t>(plan.rows); row += batch) {
             push.first_row = static_cast<std::uint32_t>(row);
@@ -164,7 +205,8 @@ struct CausticMapper::State {
                            {(push.columns + kGroupColumns - 1) / kGroupColumns,
                             (push.rows + kGroupRows - 1) / kGroupRows, 1});
             passes.run(stats);
-            photons += take_rays(buffer.as<const BeamRay>().first(push.rows * columns), row * columns, mesh);
+            photons +=
+                take_rays(buffer.as<const BeamRay>().first(push.rows * columns), row * columns, tint, mesh);
         }
         if (plan.capped) mesh.lost_flux += flux_outside_map(scene, plan, mesh.light, mesh.event);
         stats.count("photons", static_cast<double>(photons));

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "base/parallel.h"
+#include "light/spot_picture.h"
 #include "optics/optics.h"
 
 namespace dapple::light {
@@ -23,6 +24,8 @@ double flux_outside_map(const scene::FrameScene& scene, const MapPlan& plan, int
     const scene::Light& light = scene.state.lights[static_cast<std::size_t>(light_index)];
     const double n = scene.state.water->refractive_index;
     const double eta = plan.from_below ? n : 1 / n;
+    const SpotPicture picture(scene, light_index);
+    const double colors = light.intensity.r + light.intensity.g + light.intensity.b;
     const scene::TriangleMesh& mesh = scene.water->mesh;
     constexpr std::size_t kTile = 1 << 14;
     std::vector<double> tiles(mesh.triangles.size() / kTile + 1, 0);
@@ -44,6 +47,11 @@ double flux_outside_map(const scene::FrameScene& scene, const MapPlan& plan, int
                     density *= optics::f64::spot_light_falloff(
                         glm::dot(direction, light.direction), glm::cos(light.cone_angle),
                         glm::cos(light.cone_angle - light.falloff_angle));
+                if (picture.exists() && density > 0 && colors > 0)
+                    density *=
+                        glm::dot(light.intensity,
+                                 picture.mean({a - light.position, b - light.position, c - light.position})) /
+                        colors;
             }
             glm::dvec3 area = 0.5 * glm::cross(b - a, c - a);
             if (plan.from_below) area = -area;

@@ -6,7 +6,7 @@
 namespace dapple::light {
 
 /// Flux of one chain through those triangles of the water whose centres project outside the map, in the unit
-/// of BeamMesh::flux: what a capped border loses. A sum over triangles in double, without shadows of the
+/// of BeamMesh::lost_flux: what a capped border loses. A sum over triangles in double, without shadows of the
 /// waves.
 double flux_outside_map(const scene::FrameScene& scene, const MapPlan& plan, int light, Event event);
 

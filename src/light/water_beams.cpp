@@ -10,6 +10,7 @@
 #include "light/beam_axes.h"
 #include "light/beam_flux.h"
 #include "light/map_plan.h"
+#include "light/spot_picture.h"
 #include "light/wave_shadow.h"
 #include "media/media.h"
 
@@ -223,15 +224,18 @@ std::vector<BeamSheet<Real>> water_beams(const scene::FrameScene& scene, const r
     if (sun) directions = sun_directions(setup.light, setup.sun_samples);
     const std::string name = chain_name(scene.state, chain);
     const media::Media media(scene);
+    const SpotPicture picture(scene, chain.light);
     SheetTracer<Real> tracer(scene, rays, chain, setup);
     for (std::size_t i = 0; i < directions.size(); ++i) {
         if (sun && !(directions[i].y < -kLowestSun)) continue;
         WaterLight light = setup.water_light;
+        if (picture.exists()) light.picture = &picture;
         light.direction = directions[i];
         std::optional<std::vector<float>> visible;  // the same for all bands
         const bool first = sheets.empty();
         const WayToWater way = way_to_water(scene, media, light);
-        for (Band band : bands_of(*scene.state.water, setup.event, way.alike)) {
+        for (Band band : bands_of(*scene.state.water, setup.event, way.alike && picture.grey())) {
+            light.channel = band.channel;
             light.extinction = way.extinction[band.channel];
             light.depths = way.depths[static_cast<std::size_t>(band.channel)];
             band.counts_paths &= first;
@@ -248,7 +252,7 @@ bool may_part_channels(const scene::FrameState& state, const scene::Light& light
     const auto uneven = [](const glm::dvec3& extinction) { return extinction != glm::dvec3(extinction.g); };
     const bool from_below = light.type != scene::LightType::sun && light.position.y < 0;
     const scene::MediumSide other = from_below ? scene::MediumSide::air : scene::MediumSide::water;
-    return (from_below && state.water && uneven(state.water->extinction())) ||
+    return !light.texture.empty() || (from_below && state.water && uneven(state.water->extinction())) ||
            std::any_of(state.media.begin(), state.media.end(), [&](const scene::Medium& medium) {
                return medium.side != other && medium.density > 0 && uneven(medium.extinction);
            });

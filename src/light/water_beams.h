@@ -60,7 +60,8 @@ struct BeamSheet {
     std::vector<Ray> rays;            ///< a vertex of the water mesh; finite also where not valid
     std::vector<Real> start;          ///< m, depth at which the ray leaves the water surface
     std::vector<std::uint8_t> valid;  ///< 1 where there is a ray of this sheet
-    /// A triangle of the water mesh, after extinction before the surface, Fresnel and wave shadows, for a
+    /// A triangle of the water mesh, after extinction before the surface, Fresnel and wave shadows, and with
+    /// the mean of a spot's picture over it, for a
     /// light of unit irradiance (sun: m^2) or unit intensity (point, spot: sr). 0 where a vertex has no ray;
     /// never negative.
     std::vector<Real> flux;
@@ -78,17 +79,17 @@ struct BeamSheet {
 /// Beams of one light after one event, in a fixed order: the directions of the sun's disc (`sun_samples`
 /// equal parts of it, the same in every frame; 1: its middle; each with its part's ellipse), within these
 /// the channels (one sheet for all where neither dispersion nor extinction before the surface, by the water
-/// about a lamp or by bounded media, tells them apart), within these the axes where one cone cannot hold all
-/// directions: every triangle has flux in one of these at most, the first that holds its three rays.
-/// dot(direction, axis) > 0.1 for all rays. Fluxes of the two chains of a light, with their losses (but for
-/// second crossings), sum to what the light sends onto the lit side of the water. Occlusion by objects is not
-/// in the fluxes. Empty where the light has set or is in the rest plane.
+/// about a lamp or by bounded media, nor the colours of a spot's picture tell them apart), within these the
+/// axes where one cone cannot hold all directions: every triangle has flux in one of these at most, the first
+/// that holds its three rays. dot(direction, axis) > 0.1 for all rays. Fluxes of the two chains of a light,
+/// with their losses (but for second crossings), sum to what the light sends onto the lit side of the water.
+/// Occlusion by objects is not in the fluxes. Empty where the light has set or is in the rest plane.
 template <class Real>
 std::vector<BeamSheet<Real>> water_beams(const scene::FrameScene& scene, const rays::RayScene& rays,
                                          Chain chain, int sun_samples, FrameStats& stats);
 
-/// Whether the channels of a light may be dimmed unevenly before the surface, so that they have sheets of
-/// their own: by the state alone, for the memory that is needed.
+/// Whether the channels of a light may be dimmed or coloured unevenly before the surface, so that they have
+/// sheets of their own: by the state alone, for the memory that is needed.
 bool may_part_channels(const scene::FrameState& state, const scene::Light& light);
 
 }  // namespace dapple::light

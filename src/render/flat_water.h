@@ -25,7 +25,7 @@ std::optional<FlatWaterLight> through_flat_water(const scene::Light& light, glm:
                                                  double refractive_index);
 
 /// Share of a spot light's intensity in a direction: 1 inside the cone less its edge, 0 outside, smooth
-/// between; 1 for other lights.
+/// between; 1 for other lights. Its picture (light::SpotPicture) is neither here nor in `transport`.
 double spot_falloff(const scene::Light& light, glm::dvec3 direction);
 
 }  // namespace dapple::render

@@ -11,6 +11,7 @@
 #include "render/albedo.h"
 #include "render/film.h"
 #include "render/frame_scene_builder.h"
+#include "render/picture_mesh.h"
 #include "render/plan.h"
 #include "render/segment_lattice.h"
 #include "render/shading.h"
@@ -247,7 +248,7 @@ struct FrameRenderer::State {
     std::optional<std::size_t> most_bytes;
 
     /// All of a frame but its grids.
-    std::size_t other_bytes(const scene::FrameState& state);
+    std::size_t other_bytes(const scene::FrameState& given);
 
     /// What the other parts of the frame leave is for grids.
     void share_memory(const scene::FrameState& state) {
@@ -279,7 +280,8 @@ std::size_t FrameRenderer::bytes(const scene::FrameState& state) const {
     return state_->other_bytes(state) + state_->kept.builder.grid_bytes(state);
 }
 
-std::size_t FrameRenderer::State::other_bytes(const scene::FrameState& state) {
+std::size_t FrameRenderer::State::other_bytes(const scene::FrameState& given) {
+    const scene::FrameState state = with_mesh_for_pictures(given);
     // In double: a picture of absurd size must not wrap around to a small number.
     const double count = static_cast<double>(state.clip.width) * static_cast<double>(state.clip.height);
     const bool volume = may_scatter(state);

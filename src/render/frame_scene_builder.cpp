@@ -13,6 +13,8 @@
 #include "input/closed_mesh.h"
 #include "input/mesh_file.h"
 #include "ocean/water_surface.h"
+#include "render/picture_mesh.h"
+#include "render/texture_files.h"
 
 namespace dapple::render {
 namespace {
@@ -40,6 +42,7 @@ struct FrameSceneBuilder::State {
     std::string water_key;
     std::unique_ptr<ocean::WaterSurface> surface;
     std::map<std::string, std::shared_ptr<const scene::TriangleMesh>> meshes;
+    TextureFiles textures;
     std::set<std::string> closed_meshes;  ///< files of which that is known
 
     const ocean::WaterSurface& surface_of(const scene::Water& water) {
@@ -105,14 +108,15 @@ FrameSceneBuilder::~FrameSceneBuilder() = default;
 
 scene::FrameScene FrameSceneBuilder::build(const scene::FrameState& state) {
     scene::FrameScene built;
-    built.state = state;
+    built.state = with_mesh_for_pictures(state);
     // The camera's place on the water: floats are finest where the picture is.
     built.origin = {std::round(state.camera.position.x), 0, std::round(state.camera.position.z)};
-    if (state.water) {
-        built.water =
-            std::make_shared<const scene::WaterMesh>(state_->surface_of(*state.water).mesh(state.time));
+    if (const std::optional<scene::Water>& water = built.state.water) {
+        built.water = std::make_shared<const scene::WaterMesh>(state_->surface_of(*water).mesh(state.time));
     }
     for (const scene::Object& object : state.objects) built.object_meshes.push_back(state_->mesh_of(object));
+    for (const scene::Light& light : state.lights)
+        built.light_textures.push_back(state_->textures.of_light(light, state.output));
     built.medium_grids = state_->medium_grids(state);
     return built;
 }

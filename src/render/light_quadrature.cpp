@@ -212,4 +212,25 @@ void add_light_of_cell(LightOnSegment& light, const Cell& cell, const double* de
     }
 }
 
+void add_picture(const light::SpotPicture& picture, const LightOnSegment& light,
+                 std::vector<LightShare>& shares) {
+    for (LightShare& share : shares) {
+        if (share.value == glm::dvec3(0)) continue;
+        const double first = light.variable(share.begin), size = light.variable(share.end) - first;
+        const double wanted = std::ceil(2 * size * picture.texels_per_radian());
+        const double steps = wanted >= 1 ? std::min(wanted, kMostPictureSteps) : 1;
+        glm::dvec3 sum(0);
+        double count = 0;
+        for (double step = 0; step < steps; ++step) {
+            const double place = light.place(first + (step + 0.5) / steps * size);
+            const glm::dvec3 direction = light.way(place).direction;
+            // At the edge of the cone the share's own falloff is the mean of light and darkness.
+            if (!picture.in_cone(direction)) continue;
+            sum += picture.towards(direction, size / steps);
+            ++count;
+        }
+        if (count > 0) share.value *= sum / count;
+    }
+}
+
 }  // namespace dapple::render

@@ -3,6 +3,7 @@
 #include <glm/glm.hpp>
 #include <vector>
 
+#include "light/spot_picture.h"
 #include "media/media.h"
 #include "scene/frame_scene.h"
 
@@ -90,5 +91,12 @@ struct LightShare {
 /// steps. `with_way`: what media take of the light on its way to the segment is integrated too.
 void add_light_of_cell(LightOnSegment& light, const Cell& cell, const double* densities, bool with_way,
                        std::vector<LightShare>& shares);
+
+/// Multiplies shares of a lamp's light by the mean of its picture over their stretches of the segment, looked
+/// at in steps of half a texel of equal angle at the lamp; of stretches longer than that kMostPictureSteps
+/// times by steps as wide.
+void add_picture(const light::SpotPicture& picture, const LightOnSegment& light,
+                 std::vector<LightShare>& shares);
+constexpr double kMostPictureSteps = 64;
 
 }  // namespace dapple::render

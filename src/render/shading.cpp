@@ -5,6 +5,7 @@
 #include <glm/gtc/constants.hpp>
 
 #include "base/parallel.h"
+#include "light/spot_picture.h"
 #include "render/flat_water.h"
 
 namespace dapple::render {
@@ -59,10 +60,16 @@ std::vector<glm::vec3> by_tiles(
     return irradiance;
 }
 
+/// m: across a light's direction, of the square as large as the part of the surface that the pixel sees.
+double seen_width(const view::ReceiverLayer& layer, std::size_t pixel, glm::dvec3 direction) {
+    const glm::vec3 area = glm::cross(layer.footprint_u[pixel], layer.footprint_v[pixel]);
+    return std::sqrt(std::abs(glm::dot(glm::dvec3(area), direction)));
+}
+
 /// Direct light of one source at a pixel's receiver; empty irradiance where it faces away.
 Candidate direct_candidate(const scene::FrameScene& scene, const media::Media& media,
                            const view::ReceiverLayer& layer, std::size_t pixel, const scene::Light& light,
-                           glm::dvec3 direction) {
+                           const light::SpotPicture& picture, glm::dvec3 direction) {
     Candidate candidate{pixel, {}, glm::vec3(0)};
     const glm::dvec3 position = glm::dvec3(layer.position[pixel]) + scene.origin;
     glm::dvec3 strength = light.irradiance;
@@ -74,6 +81,8 @@ Candidate direct_candidate(const scene::FrameScene& scene, const media::Media& m
         if (distance == 0) return candidate;
         direction = way / distance;
         strength = light.intensity * (spot_falloff(light, direction) / (distance * distance));
+        if (picture.exists())
+            strength *= picture.towards(direction, seen_width(layer, pixel, direction) / distance);
         far = static_cast<float>(distance * (1 - 1e-6));
     }
     const double facing = -glm::dot(direction, glm::dvec3(layer.geometric_normal[pixel]));
@@ -109,9 +118,11 @@ bool light_in_water(const scene::FrameState& state, const scene::Light& light) {
 
 std::vector<glm::vec3> direct_irradiance(const scene::FrameScene& scene, const media::Media& media,
                                          const rays::RayScene& rays, const view::ReceiverLayer& layer) {
+    const std::vector<light::SpotPicture> pictures = light::spot_pictures(scene);
     return by_tiles(layer, [&](std::size_t begin, std::size_t end, std::vector<glm::vec3>& irradiance) {
         std::vector<Candidate> candidates;
-        for (const scene::Light& light : scene.state.lights) {
+        for (std::size_t index = 0; index < scene.state.lights.size(); ++index) {
+            const scene::Light& light = scene.state.lights[index];
             const bool in_water = light_in_water(scene.state, light);
             const glm::dvec3 direction = light.type == scene::LightType::sun
                                              ? sun_direction(light, layer.sample, scene.state.clip.samples)
@@ -120,7 +131,8 @@ std::vector<glm::vec3> direct_irradiance(const scene::FrameScene& scene, const m
             for (std::size_t pixel = begin; pixel < end; ++pixel) {
                 const std::uint32_t flags = layer.flags[pixel];
                 if (!(flags & view::kReceiver) || in_water != bool(flags & view::kInWater)) continue;
-                const Candidate candidate = direct_candidate(scene, media, layer, pixel, light, direction);
+                const Candidate candidate =
+                    direct_candidate(scene, media, layer, pixel, light, pictures[index], direction);
                 if (candidate.irradiance != glm::vec3(0)) candidates.push_back(candidate);
             }
             std::vector<std::uint8_t> blocked(candidates.size(), 0);
@@ -135,9 +147,11 @@ std::vector<glm::vec3> direct_irradiance(const scene::FrameScene& scene, const m
 std::vector<glm::vec3> flat_water_irradiance(const scene::FrameScene& scene, const media::Media& media,
                                              const rays::RayScene& rays, const view::ReceiverLayer& layer,
                                              const std::vector<std::uint8_t>& covered) {
+    const std::vector<light::SpotPicture> pictures = light::spot_pictures(scene);
     return by_tiles(layer, [&](std::size_t begin, std::size_t end, std::vector<glm::vec3>& irradiance) {
         std::vector<Candidate> in_water, in_air;
-        for (const scene::Light& light : scene.state.lights) {
+        for (std::size_t index = 0; index < scene.state.lights.size(); ++index) {
+            const scene::Light& light = scene.state.lights[index];
             in_water.clear();
             in_air.clear();
             for (std::size_t pixel = begin; pixel < end; ++pixel) {
@@ -151,8 +165,12 @@ std::vector<glm::vec3> flat_water_irradiance(const scene::FrameScene& scene, con
                 const double facing = -glm::dot(flat->direction, glm::dvec3(layer.geometric_normal[pixel]));
                 const double cosine = -glm::dot(flat->direction, glm::dvec3(layer.shading_normal[pixel]));
                 if (facing <= 0 || cosine <= 0) continue;
-                const glm::dvec3 strength =
+                glm::dvec3 strength =
                     light.type == scene::LightType::sun ? light.irradiance : light.intensity;
+                // As wide as the pixel is seen from the point that the light seems to come from.
+                if (pictures[index].exists())
+                    strength *= pictures[index].towards(
+                        flat->from, seen_width(layer, pixel, flat->direction) * std::sqrt(flat->transport));
                 const glm::dvec3 depth = media.optical_depth(glm::dvec3(layer.position[pixel]),
                                                              -flat->direction, flat->water_distance, true) +
                                          media.optical_depth(flat->entry - scene.origin, -flat->from,

@@ -72,10 +72,12 @@ void cut(const std::vector<LightShare>& shares, double shift, std::vector<Stratu
 class TileLight {
 public:
     TileLight(const scene::FrameScene& scene, const media::Media& media, const rays::RayScene& rays,
-              const view::SegmentLayer& layer, std::span<glm::vec3> radiance)
+              const std::vector<light::SpotPicture>& pictures, const view::SegmentLayer& layer,
+              std::span<glm::vec3> radiance)
         : scene_(scene),
           media_(media),
           rays_(rays),
+          pictures_(pictures),
           layer_(layer),
           radiance_(radiance),
           even_(std::none_of(scene.state.media.begin(), scene.state.media.end(),
@@ -124,6 +126,7 @@ private:
         shares_.clear();
         for (const Cell& cell : cells_.cells)
             add_light_of_cell(light, cell, &cells_.densities[cell.first_density], even_, shares_);
+        if (pictures_[index_of_light].exists()) add_picture(pictures_[index_of_light], light, shares_);
         if (!even_) dim(light);
         if (!rays_.has_objects()) {
             for (const LightShare& share : shares_) radiance_[i] += glm::vec3(share.value);
@@ -170,6 +173,7 @@ private:
     const scene::FrameScene& scene_;
     const media::Media& media_;
     const rays::RayScene& rays_;
+    const std::vector<light::SpotPicture>& pictures_;
     const view::SegmentLayer& layer_;
     std::span<glm::vec3> radiance_;
     bool even_;
@@ -186,8 +190,9 @@ private:
 void add_volumetric_direct_light(const scene::FrameScene& scene, const media::Media& media,
                                  const rays::RayScene& rays, const view::SegmentLayer& segments,
                                  std::span<glm::vec3> radiance) {
+    const std::vector<light::SpotPicture> pictures = light::spot_pictures(scene);
     parallel_for(segments.first.size() - 1, kTile, [&](std::size_t begin, std::size_t end) {
-        TileLight tile(scene, media, rays, segments, radiance);
+        TileLight tile(scene, media, rays, pictures, segments, radiance);
         for (std::size_t pixel = begin; pixel < end; ++pixel) tile.add(pixel);
         tile.finish();
     });

@@ -9,6 +9,9 @@
 namespace dapple::grids {
 class DensityGrid;
 }
+namespace dapple::image {
+class Texture;
+}
 
 namespace dapple::scene {
 
@@ -20,6 +23,8 @@ struct FrameScene {
     std::vector<std::shared_ptr<const TriangleMesh>> object_meshes;
     /// Densities of the media that are grids; null for others, and where a missing file leaves nothing.
     std::vector<std::shared_ptr<const grids::DensityGrid>> medium_grids;
+    /// What spots throw; null for lights without a texture. May be shorter than FrameState::lights.
+    std::vector<std::shared_ptr<const image::Texture>> light_textures;
     /// m; float positions of the frame are relative to this point, which is snapped to whole metres.
     glm::dvec3 origin{0, 0, 0};
 };

@@ -91,6 +91,8 @@ struct Light {
     double angular_diameter = 0.53 * kDegree;  ///< rad, sun; 0 is directional
     double cone_angle = 30 * kDegree;    ///< rad, spot: half-angle where its light has fallen to nothing
     double falloff_angle = 5 * kDegree;  ///< rad, spot: width of the smooth edge inside the cone
+    std::string texture;                 ///< path (EXR or PNG), spot: the picture that it throws; empty: none
+    double roll = 0;  ///< rad, spot: by which the picture is turned, clockwise as the light sees it
 };
 
 enum class Shape { plane, box, sphere, mesh };

@@ -120,6 +120,14 @@ const Structure& light_schema() {
                                           "width of the soft edge inside the cone")
                 .range({0, right_angle, false, false})
                 .only_for({"spot"}),
+            member<&Light::texture>("texture", FieldKind::path,
+                                    "EXR or PNG that the spot throws like a slide, and that multiplies the "
+                                    "intensity; its largest circle fills the cone, upright")
+                .only_for({"spot"}),
+            number<&Light::roll>("roll", Dimension::angle,
+                                 "by which the picture of the texture is turned clockwise, as the light sees "
+                                 "it; of a spot that shines straight down -z is up in the picture")
+                .only_for({"spot"}),
         },
         "type",
         {{"sun", {{"elevation", "azimuth"}, {"direction"}}}, {"spot", {{"direction"}, {"target"}}}},

@@ -14,6 +14,7 @@ namespace {
 constexpr std::int64_t kMostSamples = 4096;
 constexpr double kShortest = 1e-9;  // m; points nearer than that are one
 constexpr double kParallel = 1e-6;  // sine of the angle below which directions are parallel
+constexpr double kWidestPicture = 85 * scene::kDegree;  // at the edge of a wider cone it would be drawn out
 
 class Checker {
 public:
@@ -59,6 +60,16 @@ private:
         if (light.type == scene::LightType::spot && light.falloff_angle > light.cone_angle)
             fault(join(path, "falloff_angle"),
                   "the soft edge is wider than the cone; take at most cone_angle");
+        check_picture(light, path);
+    }
+
+    void check_picture(const scene::Light& light, const std::string& path) {
+        const std::string roll = join(path, "roll");
+        if (light.texture.empty()) {
+            if (program_.given.count(roll) > 0) fault(roll, "turns a texture, which the spot does not have");
+        } else if (light.cone_angle > kWidestPicture) {
+            fault(join(path, "cone_angle"), "a picture is thrown into cones of at most 85 deg");
+        }
     }
 
     void check_object(const scene::Object& object, const std::string& path) {

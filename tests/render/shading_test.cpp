@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include "render/flat_water.h"
+
 #include "closed_form/flat_scene.h"
+#include "light/gobo.h"
 
 namespace dapple {
 namespace {
@@ -144,6 +147,60 @@ TEST(DirectLight, IsKeptOffByGlass) {
     EXPECT_EQ(found[0], glm::vec3(0));
     EXPECT_EQ(found[1], glm::vec3(0));
     expect_near(found[2], scene.state.lights[0].irradiance);
+}
+
+TEST(DirectLight, OfASpotFollowsItsPicture) {
+    scene::FrameScene scene;
+    scene.state.lights = {test::spot({0, 3, 0}, {0, 0, 0})};
+    scene.light_textures = {test::picture(64, 64, [](float u, float v) { return glm::vec3(u, v, 1); })};
+    const rays::RayScene rays(scene);
+    view::ReceiverLayer layer = floor_points({-1.4f, -0.3f, 0, 0.8f, 1.4f, 1.8f}, 0);
+    layer.flags.assign(layer.pixels(), view::kReceiver);
+    layer.footprint_u.assign(layer.pixels(), glm::vec3(0));
+    layer.footprint_v.assign(layer.pixels(), glm::vec3(0));
+    for (std::size_t i = 0; i < layer.pixels(); ++i) layer.position[i].z = 0.5f * layer.position[i].x;
+    const auto found = render::direct_irradiance(scene, media::Media(scene), rays, layer);
+    const double radius = 3 * std::tan(30 * scene::kDegree);  // of the lit circle, m
+    for (std::size_t i = 0; i < layer.pixels(); ++i) {
+        const double x = layer.position[i].x, z = layer.position[i].z;
+        const double square = 9 + x * x + z * z, e = 3 / (square * std::sqrt(square));  // cos / r^2
+        if (x * x + z * z > radius * radius) {
+            EXPECT_EQ(found[i], glm::vec3(0));
+            continue;
+        }
+        // -z is up in the picture.
+        const glm::dvec3 picture(0.5 + 0.5 * x / radius, 0.5 - 0.5 * z / radius, 1);
+        expect_near(found[i] / glm::vec3(picture), e * scene.state.lights[0].intensity);
+    }
+    // A pixel as wide as the circle sees the mean, which is that of the middle.
+    layer.footprint_u.assign(layer.pixels(), glm::vec3(10, 0, 0));
+    layer.footprint_v.assign(layer.pixels(), glm::vec3(0, 0, 10));
+    const auto wide = render::direct_irradiance(scene, media::Media(scene), rays, layer);
+    EXPECT_NEAR(wide[3].r, 0.5f / (0.5f + 0.4f / static_cast<float>(radius)) * found[3].r, 1e-6f);
+}
+
+TEST(FlatWaterStandIn, OfASpotFollowsItsPicture) {
+    scene::FrameScene scene;
+    scene.state = test::pool_over_floor(100, 2, 1, 8);
+    const scene::Light spot = test::spot({0, 3, 0}, {0, 0, 0});
+    scene.state.lights = {spot};
+    scene.object_meshes.resize(1);
+    const rays::RayScene rays(scene);
+    view::ReceiverLayer layer = floor_points({-1.5f, 0.7f}, -2);
+    layer.footprint_u.assign(2, glm::vec3(0));
+    layer.footprint_v.assign(2, glm::vec3(0));
+    const auto light = [&] {
+        return render::flat_water_irradiance(scene, media::Media(scene), rays, layer, {0, 0});
+    };
+    const auto plain = light();
+    scene.light_textures = {test::picture(64, 64, [](float u, float v) { return glm::vec3(u, v, 1); })};
+    const auto found = light();
+    for (std::size_t i = 0; i < 2; ++i) {
+        const double x = layer.position[i].x;
+        const auto flat = render::through_flat_water(spot, glm::dvec3(x, -2, 0), 1.333);
+        const double u = 0.5 + 0.5 * flat->entry.x / (3 * std::tan(spot.cone_angle));
+        expect_near(found[i], glm::dvec3(plain[i]) * glm::dvec3(u, 0.5, 1));
+    }
 }
 
 TEST(SkyTerm, OfAReceiverInGlassThatStandsInTheWater) {

@@ -166,6 +166,18 @@ TEST(Timeline, PathsStartAtItsFolder) {
                 ElementsAre("/clips/props/rock.obj", "/rock.png", "/studio/config.ocio"));
 }
 
+TEST(Timeline, TheTextureOfASpotIsAnInputFile) {
+    constexpr const char* text =
+        "lights: [{name: lamp, type: spot, target: [0 m, 0 m, 0 m], texture: leaves.png, roll: {keys: "
+        "[{frame: 1, value: 0 deg}, "
+        "{frame: 3, value: 90 deg}]}}]\nclip: {frames: 1-3}";
+    const Timeline timeline = parse(text);
+    EXPECT_THAT(timeline.input_files(), ElementsAre("/clips/leaves.png"));
+    EXPECT_EQ(timeline.at(1).lights[0].texture, "/clips/leaves.png");
+    EXPECT_NEAR(timeline.at(2).lights[0].roll, 45 * scene::kDegree, 1e-12);
+    EXPECT_NE(timeline.fingerprint(), parse(text, {"lights.lamp.texture=other.png"}).fingerprint());
+}
+
 constexpr const char* kSequence =
     "clip: {fps: 24, frames: 1-8}\n"
     "water: {surface: {type: mesh_sequence, pattern: sea.%04d.ply, first_file: 3, last_file: 6, fps: 12}}";

@@ -359,6 +359,7 @@ void PathTracer::trace_tile(std::span<const glm::dvec2> uv, std::span<VertexPath
         ways[i].in_water = lamp_in_water_;
         vertices[i] = VertexPaths{};
         vertices[i].falloff = view_.falloff(uv[i]);
+        if (view_.textured()) vertices[i].picture = view_.picture_brightness(uv[i], 0);
     }
     meet(ways, meetings);
     for (std::size_t i = 0; i < uv.size(); ++i)
@@ -389,7 +390,11 @@ std::vector<SurfaceTexel> PathTracer::first_surfaces(int side) const {
         trace_tile(uv, found, false);
         for (std::size_t i = begin; i < end; ++i) {
             const VertexPaths& at = found[i - begin];
-            if (at.on_body) texels[i] = {glm::vec3(at.normal), true};
+            if (!at.on_body) continue;
+            texels[i] = {glm::vec3(at.normal), true};
+            if (view_.textured())
+                texels[i].light = static_cast<float>(
+                    at.falloff * view_.picture_brightness(uv[i - begin], 1 / static_cast<double>(side)));
         }
     });
     return texels;

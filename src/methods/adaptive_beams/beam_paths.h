@@ -74,7 +74,8 @@ struct VertexPaths {
     glm::dvec3 position{0};          ///< m, of the first surface
     glm::dvec3 normal{0};            ///< unit, towards the light
     double distance = 0;             ///< m, from the start of the light's ray; infinite where nothing is met
-    double falloff = 1;              ///< of a spot
+    double falloff = 1;              ///< of a spot, but for its picture
+    double picture = 1;              ///< LightView::picture_brightness()
     std::array<LightPath, 2> paths;  ///< by light::Event
 };
 
@@ -83,6 +84,7 @@ struct VertexPaths {
 struct SurfaceTexel {
     glm::vec3 normal{0};   ///< unit, towards the light; 0 where the body is not met
     bool on_body = false;  ///< as VertexPaths
+    float light = 1;       ///< of a spot: falloff times the brightness of its picture
 };
 
 /// Follows rays of a light through chains of specular events: at the first surface both events, inside glass
@@ -97,6 +99,8 @@ public:
 
     /// The object of glass that the lamp lies in, or kEndsNowhere.
     int lamp_inside() const { return lamp_inside_; }
+    /// Whether its light throws a picture.
+    bool textured() const { return view_.textured(); }
 
     /// What rays met, an entry a (u, v); on all threads.
     void trace(std::span<const glm::dvec2> uv, std::span<VertexPaths> vertices) const;

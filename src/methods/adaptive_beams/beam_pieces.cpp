@@ -24,8 +24,9 @@ using Corners = std::array<std::uint32_t, 3>;
 /// A part of a triangle of the grid.
 struct Piece {
     Corners rays;
-    double extent = 0;    // LightView::extent
-    glm::dvec3 scale{1};  // by which flux is corrected, so that pieces add up to what they were cut from
+    double extent = 0;      // LightView::extent
+    glm::dvec3 scale{1};    // by which flux is corrected, so that pieces add up to what they were cut from
+    glm::dvec3 picture{1};  // LightView::picture
 };
 
 /// Where the path changes along an edge: the last ray that is like the edge's first, the one after it, the
@@ -46,7 +47,7 @@ public:
         std::vector<Piece> pieces;
         for (const Corners& corners : triangles) {
             if (!on_body(corners[0]) && !on_body(corners[1]) && !on_body(corners[2])) continue;
-            pieces.push_back({corners, extent(corners)});
+            pieces.push_back({corners, extent(corners), glm::dvec3(1), picture(corners)});
         }
         // Rays that meet the body at all. What the others would carry is nobody's to say, so that nothing is
         // made to add up here.
@@ -93,9 +94,14 @@ private:
     }
 
     glm::dvec3 mean_of(const Piece& piece, Arriving what) const {
-        return (arriving(piece.rays[0], what.leg) + arriving(piece.rays[1], what.leg) +
+        return piece.picture *
+               (arriving(piece.rays[0], what.leg) + arriving(piece.rays[1], what.leg) +
                 arriving(piece.rays[2], what.leg)) /
                3.0;
+    }
+
+    glm::dvec3 picture(const Corners& c) const {
+        return view_.picture(rays_.uv[c[0]], rays_.uv[c[1]], rays_.uv[c[2]]);
     }
 
     double extent(const Corners& c) const {
@@ -116,8 +122,8 @@ private:
             for (const std::uint32_t ray : piece.rays)
                 for (const LightPath::Loss& loss : path(ray).losses)
                     if (loss.leg == leg)
-                        lose(loss.cause,
-                             piece.extent * piece.scale * loss.amount * rays_.paths[ray].falloff / 3.0);
+                        lose(loss.cause, piece.extent * piece.scale * piece.picture * loss.amount *
+                                             rays_.paths[ray].falloff / 3.0);
             if (signature(piece.rays[0], leg) == 0) continue;
             add_beam(piece, leg);
             kept.push_back(piece);
@@ -203,6 +209,7 @@ private:
             Piece part{{a, b, d}, 0, piece.scale};
             part.extent = std::min(rest, extent(part.rays));
             if (!(part.extent > least * piece.extent)) return;
+            part.picture = picture(part.rays);
             rest -= part.extent;
             result.push_back(part);
         };

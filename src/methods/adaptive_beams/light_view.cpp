@@ -114,6 +114,7 @@ public:
           all_water_(water),
           origin_(scene.origin),
           light_(scene.state.lights[static_cast<std::size_t>(light)]),
+          picture_(std::make_shared<const light::SpotPicture>(scene, light)),
           water_(index == light::kWater),
           body_(water_ ? water : objects[static_cast<std::size_t>(index)]) {}
 
@@ -164,6 +165,7 @@ private:
         view.from_below_ = light_.position.y < 0;
         view.spot_ = light_.type == scene::LightType::spot;
         view.direction_ = light_.direction;
+        if (picture_->exists()) view.picture_ = picture_;
         if (view.spot_) {
             view.cos_outer_ = std::cos(light_.cone_angle);
             view.cos_inner_ = std::cos(std::max(0.0, light_.cone_angle - light_.falloff_angle));
@@ -224,6 +226,7 @@ private:
     const BodyHull& all_water_;
     glm::dvec3 origin_;
     const scene::Light& light_;
+    std::shared_ptr<const light::SpotPicture> picture_;
     bool water_;
     const BodyHull& body_;
 };
@@ -251,6 +254,19 @@ double LightView::extent(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c) const {
 double LightView::falloff(glm::dvec2 uv) const {
     if (!spot_) return 1;
     return optics::f64::spot_light_falloff(glm::dot(ray(uv).direction, direction_), cos_outer_, cos_inner_);
+}
+
+glm::dvec3 LightView::picture(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c) const {
+    if (!textured()) return glm::dvec3(1);
+    const auto way = [&](glm::dvec2 uv) { return corner_ + uv.x * along_u_ + uv.y * along_v_; };
+    return picture_->mean({way(a), way(b), way(c)});
+}
+
+double LightView::picture_brightness(glm::dvec2 uv, double width) const {
+    if (!textured()) return 1;
+    const glm::dvec3 way = corner_ + uv.x * along_u_ + uv.y * along_v_;
+    const double across = std::sqrt(glm::length(glm::cross(along_u_, along_v_)) / glm::dot(way, way));
+    return picture_->brightness(picture_->towards(way, width * across));
 }
 
 LightView LightView::in_channels(const glm::dvec3& mask) const {

@@ -1,7 +1,9 @@
 #pragma once
 #include <glm/glm.hpp>
+#include <memory>
 #include <vector>
 
+#include "light/spot_picture.h"
 #include "scene/frame_scene.h"
 
 namespace dapple::methods::adaptive_beams {
@@ -21,8 +23,15 @@ public:
     /// What a light of unit irradiance (m^2) or unit intensity (sr) sends through a triangle of (u, v),
     /// whichever way it turns; the falloff of a spot is not in it.
     double extent(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c) const;
-    /// Intensity of a spot relative to its axis; 1 for other lights.
+    /// Intensity of a spot relative to its axis, but for its picture; 1 for other lights.
     double falloff(glm::dvec2 uv) const;
+    /// Whether the light is a spot that throws a picture.
+    bool textured() const { return picture_ != nullptr; }
+    /// Mean of its picture over a triangle of (u, v), a channel; 1 for other lights.
+    glm::dvec3 picture(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c) const;
+    /// Luminance of its picture over the brightest texel's; 1 for other lights. `width`: as a share of the
+    /// view, of what it is the mean over.
+    double picture_brightness(glm::dvec2 uv, double width) const;
 
     bool parallel() const { return parallel_; }
     /// W/m^2 or W/sr a channel that a unit of extent() stands for, but for the falloff.
@@ -45,6 +54,7 @@ private:
     glm::dvec3 position_{0};  // lamp, relative to the origin
     double cos_outer_ = -2;
     double cos_inner_ = 1;
+    std::shared_ptr<const light::SpotPicture> picture_;
 };
 
 /// Points whose hull holds a body, relative to FrameScene::origin; a sphere is said apart.

@@ -34,7 +34,7 @@ void describe(const VertexPaths& ray, glm::dvec2 uv, int texels, layout::OracleV
               layout::OracleWay* ways) {
     vertex = {};
     vertex.uv = glm::vec2(uv * static_cast<double>(texels));
-    vertex.falloff = static_cast<float>(ray.falloff);
+    vertex.falloff = static_cast<float>(ray.falloff * ray.picture);
     std::fill_n(ways, oracle_rules::kOracleWays, layout::OracleWay{});
     if (!ray.on_body) return;
     vertex.position = glm::vec3(ray.position);
@@ -91,7 +91,7 @@ std::vector<layout::OracleTexel> light_view_of(const PathTracer& tracer, int tex
     const std::vector<SurfaceTexel> found = tracer.first_surfaces(texels);
     std::vector<layout::OracleTexel> surface(found.size());
     std::transform(found.begin(), found.end(), surface.begin(), [](const SurfaceTexel& texel) {
-        return layout::OracleTexel{texel.normal, texel.on_body ? 1u : 0u};
+        return layout::OracleTexel{texel.normal, texel.on_body ? 1u : 0u, texel.light};
     });
     return surface;
 }
@@ -132,6 +132,7 @@ RefinedGrid refine(const scene::FrameScene& scene, const PathTracer& tracer, int
     const std::vector<layout::OracleTexel> surface = light_view_of(tracer, texels, stats);
     OracleTask task;
     task.settings = settings_of(scene, body, texels);
+    task.settings.textured = tracer.textured() ? 1 : 0;
     for (int level = 0; level < levels; ++level) {
         {
             const ScopedPass tracing(stats, "beam grid");

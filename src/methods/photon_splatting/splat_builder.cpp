@@ -160,7 +160,8 @@ private:
         splat.position = point;
         splat.normal = normal;
         splat.in_water = mesh_.in_water() ? 1.0f : 0.0f;
-        const glm::vec3 power = mesh_.flux[i] * color_ * transmitted(i, point, way);
+        glm::vec3 power = mesh_.flux[i] * color_ * transmitted(i, point, way);
+        if (!mesh_.tint.empty()) power *= mesh_.tint[i];
         const float facing = glm::dot(beam, normal);
         for (int b = 0; b < lattice.count; ++b) {
             const LatticeBasis& basis = lattice.bases[static_cast<std::size_t>(b)];

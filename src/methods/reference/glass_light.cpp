@@ -25,6 +25,7 @@ GlassLight::GlassLight(const scene::FrameScene& scene, const rays::RayScene& ray
       light_(scene.state.lights[light]),
       object_(object),
       samples_(scene, light, static_cast<int>(object)),
+      picture_(scene, light),
       sun_(light_.type == scene::LightType::sun) {
     const glm::dvec3 middle = bodies.middle(object);
     if (sun_) {
@@ -82,7 +83,7 @@ GlassLight::Aimed GlassLight::from_lamp(const glm::dvec2& place, double area) co
         aimed.direction = way / distance;
         solid_angle = area / (distance * distance * distance);
     }
-    aimed.power = solid_angle * intensity_towards(light_, aimed.direction);
+    aimed.power = solid_angle * intensity_towards(light_, picture_, aimed.direction);
     return aimed;
 }
 

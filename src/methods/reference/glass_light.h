@@ -59,6 +59,7 @@ private:
     const scene::Light& light_;
     std::uint32_t object_;
     LightSamples samples_;
+    OwnPicture picture_;
     bool sun_ = false;
     bool lamp_in_water_ = false;
     bool all_around_ = false;  ///< strata cover all directions of a lamp

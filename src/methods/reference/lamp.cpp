@@ -16,7 +16,8 @@ Lamp::Lamp(const scene::FrameScene& scene, const rays::RayScene& rays, const Wat
       glass_(glass),
       media_(media),
       light_(scene.state.lights[index]),
-      samples_(scene, index, light::kWater) {
+      samples_(scene, index, light::kWater),
+      picture_(scene, index) {
     const TrueSurface& surface = water.surface();
     if (light_.type != scene::LightType::sun) {
         from_above_ = light_.position.y > -surface.highest();
@@ -129,7 +130,8 @@ std::optional<Incoming> Lamp::illuminate(const LightPass& pass, const WaterPoint
         const glm::dvec3 way = point.position - (light_.position - scene_.origin);
         incoming.distance = length(way);
         incoming.direction = way / incoming.distance;
-        across = intensity_towards(light_, incoming.direction) / (incoming.distance * incoming.distance);
+        across =
+            intensity_towards(light_, picture_, incoming.direction) / (incoming.distance * incoming.distance);
     }
     const double facing = -dot(point.area, incoming.direction);
     incoming.side = facing > 0 ? 1 : -1;

@@ -70,6 +70,7 @@ private:
     const OwnMedia& media_;
     const scene::Light& light_;
     LightSamples samples_;
+    OwnPicture picture_;
     bool from_above_ = true, from_below_ = false;  ///< sides of the water that it may light
     bool waves_may_shadow_ = false;
 };

@@ -52,12 +52,11 @@ SunRay sun_ray(const scene::Light& sun, double random_radius, double random_angl
         1 / cosine};
 }
 
-glm::dvec3 intensity_towards(const scene::Light& light, const glm::dvec3& direction) {
-    const double share =
-        light.type == scene::LightType::spot
-            ? spot_share(dot(direction, light.direction), light.cone_angle, light.falloff_angle)
-            : 1;
-    return share * light.intensity;
+glm::dvec3 intensity_towards(const scene::Light& light, const OwnPicture& picture,
+                             const glm::dvec3& direction) {
+    if (light.type != scene::LightType::spot) return light.intensity;
+    const double share = spot_share(dot(direction, light.direction), light.cone_angle, light.falloff_angle);
+    return share * light.intensity * picture.towards(direction);
 }
 
 }  // namespace dapple::reference

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 
+#include "methods/reference/own_picture.h"
 #include "methods/reference/strata_layout.h"
 #include "scene/frame_scene.h"
 
@@ -59,7 +60,8 @@ struct AcrossAxis {
     explicit AcrossAxis(const glm::dvec3& axis);
 };
 
-/// Of a point light or spot, W/sr.
-glm::dvec3 intensity_towards(const scene::Light& light, const glm::dvec3& direction);
+/// Of a point light or spot with its picture, W/sr.
+glm::dvec3 intensity_towards(const scene::Light& light, const OwnPicture& picture,
+                             const glm::dvec3& direction);
 
 }  // namespace dapple::reference

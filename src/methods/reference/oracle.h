@@ -20,7 +20,7 @@ struct Path {
     double jacobian = 1;
     int sign = 1;  ///< of the jacobian, proven
     /// W/m^2 on the receiver for a light of 1 W/m^2 or 1 W/sr; without absorption and without shadows. 0
-    /// where the light comes from behind the receiver or is outside a spot's cone.
+    /// where the light comes from behind the receiver or is outside a spot's cone, whose picture is left out.
     double irradiance = 0;
     double transmittance = 1;  ///< Fresnel's share of the event: of reflection, the reflectance
     double way = 0;            ///< m, in the water; 0 after reflection
