@@ -24,7 +24,7 @@ constexpr Real kSmooth = sizeof(Real) == 4 ? Real(0.1) : Real(0.01);
 }  // namespace
 
 template <class Real>
-typename ScatterQuery<Real>::Node ScatterQuery<Real>::node(const L& t) const {
+typename ScatterQuery<Real>::BeamRay ScatterQuery<Real>::ray(const L& t) const {
     const L w0 = slices_.edge[0](t), w1 = slices_.edge[1](t), w2 = slices_.edge[2](t);
     const L whole = w0 + w1 + w2;
     const auto thin = whole == 0;
@@ -34,19 +34,23 @@ typename ScatterQuery<Real>::Node ScatterQuery<Real>::node(const L& t) const {
         return multiply_add(l1, splat(v1 - v0), multiply_add(l2, splat(v2 - v0), splat(v0)));
     };
     const auto& [c0, c1, c2] = corner_;
+    return {mix(c0.slope_a, c1.slope_a, c2.slope_a), mix(c0.slope_b, c1.slope_b, c2.slope_b),
+            mix(c0.start, c1.start, c2.start)};
+}
+
+template <class Real>
+typename ScatterQuery<Real>::Node ScatterQuery<Real>::node(const L& t) const {
+    const BeamRay r = ray(t);
     Node n;
-    n.slope_a = mix(c0.slope_a, c1.slope_a, c2.slope_a);
-    n.slope_b = mix(c0.slope_b, c1.slope_b, c2.slope_b);
-    n.start = mix(c0.start, c1.start, c2.start);
     const L depth = multiply_add(t, part_.half_depth, part_.depth);
-    const L squared = multiply_add(n.slope_a, n.slope_a, multiply_add(n.slope_b, n.slope_b, splat(Real(1))));
+    const L squared = multiply_add(r.slope_a, r.slope_a, multiply_add(r.slope_b, r.slope_b, splat(Real(1))));
     n.stretch = square_root<Real>(squared);
-    n.path = multiply_add(depth - n.start, n.stretch, multiply_add(t, half_, middle_));
+    n.path = multiply_add(depth - r.start, n.stretch, multiply_add(t, half_, middle_));
     if (!medium_.phase->even()) {
         // |before - after| / 2: half the angle between unit vectors loses no digits so.
         const L unit = inverse_root(squared);
-        const L a = multiply_add(n.slope_a, unit, segments_.to_a);
-        const L b = multiply_add(n.slope_b, unit, segments_.to_b);
+        const L a = multiply_add(r.slope_a, unit, segments_.to_a);
+        const L b = multiply_add(r.slope_b, unit, segments_.to_b);
         const L d = unit + segments_.to_depth;
         n.squared_sine = Real(0.25) * multiply_add(a, a, multiply_add(b, b, d * d));
     }
@@ -340,7 +344,7 @@ template void ScatterQuery<float>::add_moments(const L&, const L&, const Mask<fl
 template void ScatterQuery<double>::add_moments(const L&, const L&, const Mask<double>&);
 template void ScatterQuery<float>::settle_moments();
 template void ScatterQuery<double>::settle_moments();
-template typename ScatterQuery<float>::Node ScatterQuery<float>::node(const L&) const;
-template typename ScatterQuery<double>::Node ScatterQuery<double>::node(const L&) const;
+template typename ScatterQuery<float>::BeamRay ScatterQuery<float>::ray(const L&) const;
+template typename ScatterQuery<double>::BeamRay ScatterQuery<double>::ray(const L&) const;
 
 }  // namespace dapple::methods::sliced_beams

@@ -8,8 +8,10 @@
 namespace dapple::methods::sliced_beams {
 namespace {
 
-/// Parts of an interval that are asked one by one whether an object hides them from the light.
-constexpr int kShadowParts = 4;  // between whose ends shadows' edges are linear
+/// Parts of an interval that are asked one by one whether an object hides them from the light: by rays, and
+/// where the beam's area changes by more than kEvenShadows.
+constexpr int kShadowParts = 4;
+constexpr double kEvenShadows = 0.5;
 constexpr std::size_t kPairsAtOnce = 4096;
 
 }  // namespace
@@ -151,57 +153,66 @@ void ScatterQuery<Real>::take_piece(const L& enter, const L& leave, const Mask<R
 }
 
 template <class Real>
-typename ScatterQuery<Real>::L ScatterQuery<Real>::shadow_depth(const L& t,
-                                                                const typename Ways::Blockers& blockers,
-                                                                const PointLanes<Real>& to_light,
-                                                                bool sun) const {
-    const Node n = node(t);
-    const PointLanes<Real> point{multiply_add(t, part_.half_a, part_.a),
-                                 multiply_add(t, part_.half_b, part_.b),
-                                 multiply_add(t, part_.half_depth, part_.depth)};
-    const L below = point.depth - n.start;
-    const PointLanes<Real> water{point.a - below * n.slope_a, point.b - below * n.slope_b, n.start};
-    L depth = sheet_.shapes_.depth(blockers.after, point, water);
-    if (blockers.before != 0) {
-        PointLanes<Real> source = to_light;
-        if (sun) source = {water.a + to_light.a, water.b + to_light.b, water.depth + to_light.depth};
-        depth = greater(depth, sheet_.shapes_.depth(blockers.before, water, source));
+void ScatterQuery<Real>::add_shadowed(const L& enter, const L& leave, const Mask<Real>& mask) {
+    const typename Ways::Blockers& blockers = sheet_.ways_.blockers(beam_);
+    if (((blockers.after | blockers.before) & sheet_.shapes_.known()) == 0)
+        return add_traced(enter, leave, mask);
+    const L middle = Real(0.5) * (enter + leave), half = Real(0.5) * (leave - enter);
+    const Quadratic<Real>& area = slices_.area;
+    const L q1 = half * multiply_add(Real(2) * area.c2, middle, area.c1), q2 = half * half * area.c2;
+    // Where the beam narrows, what is linear in depth is not along the segment.
+    const Mask<Real> uneven =
+        mask & ~(magnitude(q1) + Real(3) * magnitude(q2) <= Real(kEvenShadows) * magnitude(area(middle)));
+    const int parts = any(uneven) ? kShadowParts : 1;
+    for (int i = 0; i < parts; ++i) {
+        const auto at = [&](int k) {
+            return enter + (leave - enter) * (static_cast<Real>(k) / static_cast<Real>(parts));
+        };
+        add_shadowed_part(at(i), at(i + 1), mask);
     }
-    return depth;
 }
 
 template <class Real>
-void ScatterQuery<Real>::add_shadowed(const L& enter, const L& leave, const Mask<Real>& mask) {
+void ScatterQuery<Real>::add_shadowed_part(const L& enter, const L& leave, const Mask<Real>& mask) {
     const typename Ways::Blockers& blockers = sheet_.ways_.blockers(beam_);
-    if (!sheet_.shapes_.knows(blockers.after | blockers.before)) return add_traced(enter, leave, mask);
-    const bool sun = direction_.to_sun != glm::vec3(0);
-    const glm::dvec3 light =
-        (sun ? static_cast<double>(sheet_.shapes_.beyond()) * glm::dvec3(direction_.to_sun)
-             : sheet_.coverage_.lamp()) *
-        sheet_.coverage_.sheet().world_from_mesh;
-    const PointLanes<Real> to_light{splat(static_cast<Real>(light.x)), splat(static_cast<Real>(light.y)),
-                                    splat(static_cast<Real>(light.z))};
-    L place[kShadowParts + 1], depth[kShadowParts + 1];
-    Mask<Real> lit = mask, dark = mask;
-    for (int i = 0; i <= kShadowParts; ++i) {
-        place[i] = enter + (leave - enter) * (static_cast<Real>(i) / kShadowParts);
-        depth[i] = shadow_depth(place[i], blockers, to_light, sun);
-        lit &= depth[i] < 0;
-        dark &= ~(depth[i] < 0);
+    const ObjectSet known = sheet_.shapes_.known();
+    const bool traced = ((blockers.after | blockers.before) & ~known) != 0;
+    const L middle = Real(0.5) * (enter + leave), half = Real(0.5) * (leave - enter);
+    WayLanes<Real> ways;  // from points to the water
+    const L places[3] = {enter, middle, leave};
+    for (int i = 0; i < 3; ++i) {
+        const BeamRay r = ray(places[i]);
+        PointLanes<Real>& point = ways.from[i];
+        point = {multiply_add(places[i], part_.half_a, part_.a),
+                 multiply_add(places[i], part_.half_b, part_.b),
+                 multiply_add(places[i], part_.half_depth, part_.depth)};
+        const L below = point.depth - r.start;
+        ways.to[i] = {point.a - below * r.slope_a, point.b - below * r.slope_b, r.start};
     }
-    counts_.shadow_tests += (kShadowParts + 1) * static_cast<std::size_t>(__builtin_popcount(bits(mask)));
-    if (any(lit)) add_lit(enter, leave, lit);
-    const Mask<Real> parted = mask & ~lit & ~dark;
-    if (!any(parted)) return;
-    for (int i = 0; i < kShadowParts; ++i) {
-        const Mask<Real> first = depth[i] < 0, last = depth[i + 1] < 0;
-        const Mask<Real> some = parted & (first | last);
-        if (!any(some)) continue;
-        const Mask<Real> crossed = first ^ last;
-        const L change = crossed ? depth[i] - depth[i + 1] : splat(Real(1));
-        const L edge = place[i] + (place[i + 1] - place[i]) * (depth[i] / change);
-        add_lit(first ? place[i] : edge, last ? place[i + 1] : edge, some);
+    counts_.shadow_tests += 3 * static_cast<std::size_t>(__builtin_popcount(bits(mask)));
+    LitParts<Real> lit(mask);
+    sheet_.shapes_.darken(blockers.after & known, ways, lit);
+    if ((blockers.before & known) != 0 && lit.any_lit()) {
+        const bool sun = direction_.to_sun != glm::vec3(0);
+        const glm::vec<3, Real> light(
+            (sun ? static_cast<double>(sheet_.shapes_.beyond()) * glm::dvec3(direction_.to_sun)
+                 : sheet_.coverage_.lamp()) *
+            sheet_.coverage_.sheet().world_from_mesh);
+        for (int i = 0; i < 3; ++i) {
+            const PointLanes<Real> water = ways.to[i];
+            ways.from[i] = water;
+            ways.to[i] = {splat(light.x), splat(light.y), splat(light.z)};
+            if (sun) ways.to[i] = {water.a + light.x, water.b + light.y, water.depth + light.z};
+        }
+        sheet_.shapes_.darken(blockers.before & known, ways, lit);
     }
+    lit.visit([&](const L& from, const L& to, const Mask<Real>& lanes) {
+        const L first = multiply_add(half, from, middle), last = multiply_add(half, to, middle);
+        if (traced)
+            add_traced(first, last, lanes);
+        else
+            add_lit(first, last, lanes);
+    });
 }
 
 template <class Real>
@@ -216,14 +227,14 @@ void ScatterQuery<Real>::add_traced(const L& enter, const L& leave, const Mask<R
         const L from = at(i), to = at(i + 1), middle = Real(0.5) * (from + to);
         add_piece(from, to, mask);
         target_ = &radiance_;
-        const Node n = node(middle);
+        const BeamRay r = ray(middle);
         const L depth = multiply_add(middle, part_.half_depth, part_.depth);
         for (unsigned lanes = bits(mask); lanes != 0; lanes &= lanes - 1) {
             const int lane = __builtin_ctz(lanes);
             const glm::dvec3 point(part_.a[lane] + middle[lane] * part_.half_a[lane],
                                    part_.b[lane] + middle[lane] * part_.half_b[lane], depth[lane]);
-            const double below = static_cast<double>(depth[lane] - n.start[lane]);
-            const glm::dvec3 water = point - below * glm::dvec3(n.slope_a[lane], n.slope_b[lane], 1);
+            const double below = static_cast<double>(depth[lane] - r.start[lane]);
+            const glm::dvec3 water = point - below * glm::dvec3(r.slope_a[lane], r.slope_b[lane], 1);
             pairs_.push_back({lane, Vec3<Real>(light[0][lane], light[1][lane], light[2][lane]),
                               glm::vec3(world_from_sheet * point), glm::vec3(world_from_sheet * water),
                               (shade_ & Ways::kMixedAfter) && depth[lane] > sheet_.ways_.free_depth(beam_),

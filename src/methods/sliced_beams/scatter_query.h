@@ -61,12 +61,11 @@ private:
     /// Where an object may stand among a beam's rays.
     void add_shadowed(const L& enter, const L& leave, const Mask<Real>& mask);
 
-    /// The same, tested by rays: among all kinds of objects.
-    void add_traced(const L& enter, const L& leave, const Mask<Real>& mask);
+    /// A part of it across which the beam is about evenly wide.
+    void add_shadowed_part(const L& enter, const L& leave, const Mask<Real>& mask);
 
-    /// How deep objects stand in the light of a place of the piece; < 0: it is lit.
-    L shadow_depth(const L& t, const typename Ways::Blockers& blockers, const PointLanes<Real>& to_light,
-                   bool sun) const;
+    /// Quarter by quarter, tested by rays: among all kinds of objects.
+    void add_traced(const L& enter, const L& leave, const Mask<Real>& mask);
 
     void settle_pairs();
 
@@ -74,11 +73,15 @@ private:
     void trace(bool after);
 
     /// The ray through a point of the beam.
+    struct BeamRay {
+        L slope_a, slope_b, start;
+    };
+    BeamRay ray(const L& t) const;
+    /// It, and what it loses and scatters.
     struct Node {
         L path;          ///< m from the water to the point, and back to the segment's near end
         L stretch;       ///< m of way a m of depth
         L squared_sine;  ///< of half the angle between the ways before and after
-        L slope_a, slope_b, start;
     };
     Node node(const L& t) const;
 

@@ -15,43 +15,108 @@ L within_0_1(const L& x) {
     return lesser(greater(x, L{}), splat(Real(1)));  // 0 where it is not a number
 }
 
-/// The least of how far a way lies within the box's slabs, where it lies deepest in them, or nearly so: in
-/// the middle of what the slabs have in common, or of the gap between them.
-template <class L, class Real>
-L depth_in_box(const L (&from)[3], const L (&way)[3], const Real (&half)[3]) {
-    L enter{}, leave = splat(Real(1));
-    for (int k = 0; k < 3; ++k) {
-        const L inverse = Real(1) / way[k];
-        const L low = (-half[k] - from[k]) * inverse, high = (half[k] - from[k]) * inverse;
-        enter = greater(lesser(low, high), enter);
-        leave = lesser(greater(low, high), leave);
+/// Ways in an object's axes, place by place of the interval.
+template <class L>
+struct Sweep {
+    L from[3][3], way[3][3];  ///< [place][axis]
+};
+
+/// The part of [-1, 1] on which an object stands in the ways.
+template <class Real>
+class Shadow {
+public:
+    using L = Lanes<Real>;
+
+    L first = splat(Real(-1)), last = splat(Real(1));
+
+    explicit Shadow(const Mask<Real>& wanted) : wanted_(wanted) {}
+    bool none() const { return !any(wanted_ & (first < last)); }
+    /// Leaves where the quadratic through the margins, at -1, 0 and 1, is positive. (Margins that are
+    /// negative in the middle alone are rounding: the part is one interval.)
+    void clip(const L (&margin)[3]);
+    /// Both limit - place and limit + place.
+    void clip(const L (&limit)[3], const L (&place)[3]) {
+        const auto outside = (magnitude(place[0]) > limit[0]) | (magnitude(place[1]) > limit[1]) |
+                             (magnitude(place[2]) > limit[2]);
+        if (!any(wanted_ & outside)) return;
+        const L below[3] = {limit[0] - place[0], limit[1] - place[1], limit[2] - place[2]};
+        clip(below);
+        const L above[3] = {limit[0] + place[0], limit[1] + place[1], limit[2] + place[2]};
+        clip(above);
     }
-    const L middle = within_0_1(Real(0.5) * (enter + leave));
-    L depth = half[0] - magnitude(multiply_add(middle, way[0], from[0]));
-    for (int k = 1; k < 3; ++k)
-        depth = lesser(depth, half[k] - magnitude(multiply_add(middle, way[k], from[k])));
-    return depth;
+
+private:
+    Mask<Real> wanted_;
+};
+
+template <class Real>
+void Shadow<Real>::clip(const L (&margin)[3]) {
+    const Mask<Real> starts = margin[0] >= 0, stops = margin[2] >= 0;
+    if (!any(wanted_ & ~(starts & stops))) return;
+    const L q0 = margin[1], q1 = Real(0.5) * (margin[2] - margin[0]);
+    const L q2 = Real(0.5) * (margin[2] + margin[0]) - margin[1];
+    const L discriminant = q1 * q1 - Real(4) * q0 * q2;
+    // Of two roots within, where the quadratic is negative at both ends, or none.
+    const Mask<Real> rises =
+        ~(starts | stops) & (q2 < 0) & (magnitude(q1) < Real(-2) * q2) & (discriminant > 0);
+    const Mask<Real> crosses = starts ^ stops;
+    const L never = splat(Real(2));
+    if (!any(wanted_ & (crosses | rises))) {
+        const Mask<Real> kept = starts;
+        first = kept ? first : never;
+        return;
+    }
+    const L root = square_root<Real>(greater(discriminant, L{}));
+    const L sum = q1 + (q1 < 0 ? -root : root);
+    const L near = Real(-2) * q0 / sum;  // the smaller root, the only one within where one is
+    const L far = Real(-0.5) * sum / q2;
+    const L low = rises ? lesser(near, far) : near, high = rises ? greater(near, far) : near;
+    const L enters = starts ? splat(Real(-1)) : ((crosses | rises) ? low : never);
+    const L leaves = stops ? splat(Real(1)) : high;
+    first = greater(first, enters);
+    last = ((crosses & starts) | rises) ? lesser(last, leaves) : last;
+}
+
+/// The separating axes of a segment and a box: the box's own, and their products with the segment's.
+template <class L, class Real>
+void clip_to_box(const Sweep<L>& ways, const Real (&half)[3], Shadow<Real>& shadow) {
+    L middle[3][3], reach[3][3];  // of the ways, and their halves
+    for (int i = 0; i < 3; ++i)
+        for (int k = 0; k < 3; ++k) {
+            reach[i][k] = Real(0.5) * ways.way[i][k];
+            middle[i][k] = ways.from[i][k] + reach[i][k];
+        }
+    L limit[3], place[3];
+    for (int k = 0; k < 3; ++k) {
+        for (int i = 0; i < 3; ++i) {
+            limit[i] = half[k] + magnitude(reach[i][k]);
+            place[i] = middle[i][k];
+        }
+        shadow.clip(limit, place);
+        if (shadow.none()) return;
+    }
+    for (int k = 0; k < 3; ++k) {
+        const int u = (k + 1) % 3, v = (k + 2) % 3;
+        for (int i = 0; i < 3; ++i) {
+            limit[i] = half[u] * magnitude(reach[i][v]) + half[v] * magnitude(reach[i][u]);
+            place[i] = middle[i][u] * reach[i][v] - middle[i][v] * reach[i][u];
+        }
+        shadow.clip(limit, place);
+        if (shadow.none()) return;
+    }
 }
 
 template <class L, class Real>
-L depth_in_sphere(const L (&from)[3], const L (&way)[3], Real radius) {
+void clip_to_sphere(const Sweep<L>& ways, Real radius, Shadow<Real>& shadow) {
     const auto dot = [](const L(&x)[3], const L(&y)[3]) { return x[0] * y[0] + x[1] * y[1] + x[2] * y[2]; };
-    const L nearest = within_0_1(-dot(from, way) / dot(way, way));
-    L at[3];
-    for (int k = 0; k < 3; ++k) at[k] = multiply_add(nearest, way[k], from[k]);
-    return radius - square_root<Real>(dot(at, at));
-}
-
-/// How far the nearer end lies beyond the plane's rectangle.
-template <class L, class Real>
-L depth_in_plane(const L (&from)[3], const L (&way)[3], const Real (&half)[3]) {
-    const L to = from[1] + way[1];
-    const auto crosses = (from[1] < 0) ^ (to < 0);
-    const L nearer = lesser(magnitude(from[1]), magnitude(to));
-    const L at = within_0_1(-from[1] / way[1]);
-    L depth = crosses ? nearer : -nearer;
-    for (const int k : {0, 2}) depth = lesser(depth, half[k] - magnitude(multiply_add(at, way[k], from[k])));
-    return depth;
+    L margin[3];
+    for (int i = 0; i < 3; ++i) {
+        const L nearest = within_0_1(-dot(ways.from[i], ways.way[i]) / dot(ways.way[i], ways.way[i]));
+        L at[3];
+        for (int k = 0; k < 3; ++k) at[k] = multiply_add(nearest, ways.way[i][k], ways.from[i][k]);
+        margin[i] = radius * radius - dot(at, at);
+    }
+    shadow.clip(margin);
 }
 
 }  // namespace
@@ -92,28 +157,31 @@ ShadowShapes<Real>::ShadowShapes(const scene::FrameScene& scene, const light::Be
 }
 
 template <class Real>
-Lanes<Real> ShadowShapes<Real>::depth(ObjectSet set, const PointLanes<Real>& from,
-                                      const PointLanes<Real>& to) const {
+void ShadowShapes<Real>::darken(ObjectSet set, const WayLanes<Real>& ways, LitParts<Real>& lit) const {
     using L = Lanes<Real>;
-    L deepest = splat(std::numeric_limits<Real>::lowest());
-    const L way_a = to.a - from.a, way_b = to.b - from.b, way_depth = to.depth - from.depth;
-    for (; set != 0; set &= set - 1) {
+    for (; set != 0 && lit.any_lit(); set &= set - 1) {
         const Shape& shape = shapes_[static_cast<std::size_t>(std::countr_zero(set))];
-        L origin[3], way[3];
-        for (int k = 0; k < 3; ++k) {
-            const Real(&row)[4] = shape.rows[k];
-            origin[k] = multiply_add(
-                splat(row[0]), from.a,
-                multiply_add(splat(row[1]), from.b, multiply_add(splat(row[2]), from.depth, splat(row[3]))));
-            way[k] = multiply_add(splat(row[0]), way_a,
-                                  multiply_add(splat(row[1]), way_b, splat(row[2]) * way_depth));
+        Sweep<L> sweep;
+        for (int i = 0; i < 3; ++i) {
+            const auto &from = ways.from[i], &to = ways.to[i];
+            const L a = to.a - from.a, b = to.b - from.b, depth = to.depth - from.depth;
+            for (int k = 0; k < 3; ++k) {
+                const Real(&row)[4] = shape.rows[k];
+                sweep.from[i][k] =
+                    multiply_add(splat(row[0]), from.a,
+                                 multiply_add(splat(row[1]), from.b,
+                                              multiply_add(splat(row[2]), from.depth, splat(row[3]))));
+                sweep.way[i][k] =
+                    multiply_add(splat(row[0]), a, multiply_add(splat(row[1]), b, splat(row[2]) * depth));
+            }
         }
-        const L depth = shape.shape == scene::Shape::box      ? depth_in_box(origin, way, shape.half)
-                        : shape.shape == scene::Shape::sphere ? depth_in_sphere(origin, way, shape.half[0])
-                                                              : depth_in_plane(origin, way, shape.half);
-        deepest = greater(depth, deepest);
+        Shadow<Real> shadow(lit.lanes());
+        if (shape.shape == scene::Shape::sphere)
+            clip_to_sphere(sweep, shape.half[0], shadow);
+        else
+            clip_to_box(sweep, shape.half, shadow);
+        if (!shadow.none()) lit.darken(shadow.first, shadow.last);
     }
-    return deepest;
 }
 
 template class ShadowShapes<float>;

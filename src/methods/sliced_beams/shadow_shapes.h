@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "methods/sliced_beams/landing.h"
+#include "methods/sliced_beams/lit_parts.h"
 #include "scene/frame_scene.h"
 
 namespace dapple::methods::sliced_beams {
@@ -20,18 +21,25 @@ struct PointLanes {
     Lanes<Real> a, b, depth;
 };
 
+/// The straight ways of light to the start, the middle and the end of an interval [-1, 1]; between these the
+/// margins by which objects stand in them are taken as quadratics.
+template <class Real>
+struct WayLanes {
+    PointLanes<Real> from[3], to[3];
+};
+
 /// The scene's planes, boxes and spheres, against many ways at once.
 template <class Real>
 class ShadowShapes {
 public:
     ShadowShapes(const scene::FrameScene& scene, const light::BeamSheet<Real>& sheet);
 
-    /// Whether all of a set are shapes that depth() knows.
-    bool knows(ObjectSet set) const { return (set & ~known_) == 0; }
-    /// How deep straight ways reach into the objects of a set, in the units of the one they reach deepest
-    /// into; < 0: by how much they pass them. Continuous in both ends, so that a shadow's edge is where it is
-    /// 0.
-    Lanes<Real> depth(ObjectSet set, const PointLanes<Real>& from, const PointLanes<Real>& to) const;
+    /// Those that darken() knows.
+    ObjectSet known() const { return known_; }
+    /// Takes the shadows of the objects of a set, all known ones, from what is lit: a convex object's is one
+    /// interval, found by its ends and so whatever its width. Exact where the ends of the ways are linear and
+    /// the object is no sphere.
+    void darken(ObjectSet set, const WayLanes<Real>& ways, LitParts<Real>& lit) const;
     /// m, along which a sun's ray from a point of the water has passed all objects.
     Real beyond() const { return beyond_; }
 
