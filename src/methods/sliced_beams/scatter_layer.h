@@ -18,18 +18,18 @@ struct LayerGroup {
     std::array<std::uint32_t, kLanes<float>> segment;  ///< index into the layer; only where length >= 0
 };
 
-/// A layer's segments, patch by patch of 16 x 8 pixels.
+/// A layer's segments, patch by patch of 8 x 16 pixels.
 class LayerSegments {
 public:
     explicit LayerSegments(const view::SegmentLayer& layer);
     std::size_t patches() const { return across_ * down_; }
     /// In a fixed order: groups of the first segments of pixels on one side, of their second, and so on. A
-    /// full group holds those of 4 x 2 pixels, or, where pixels are left out, of the next ones in Morton
-    /// order.
+    /// full group holds those of 2 x 4 pixels, which share most beams where light comes down in the picture,
+    /// or, where pixels are left out, of the next ones in Morton order.
     std::vector<LayerGroup> groups(std::size_t patch) const;
 
 private:
-    static constexpr std::size_t kWide = 4, kHigh = 2;  ///< pixels of a block
+    static constexpr std::size_t kWide = 2, kHigh = 4;  ///< pixels of a block
     static constexpr std::size_t kSide = 4;             ///< blocks along each side of a patch
     const view::SegmentLayer& layer_;
     std::size_t across_, down_;
