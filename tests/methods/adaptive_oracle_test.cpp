@@ -10,6 +10,7 @@
 
 #include "adaptive_scene.h"
 #include "base/hash.h"
+#include "light/gobo.h"
 #include "methods/adaptive_beams/oracle_judge.h"
 #include "methods/adaptive_beams/refinement.h"
 
@@ -90,7 +91,8 @@ TEST(AdaptiveOracle, ShaderAndCodeSayTheSame) {
     task.settings.texels = 64;
     std::vector<layout::OracleTexel> texels;
     for (int i = 0; i < 64 * 64; ++i)
-        texels.push_back({glm::normalize(glm::vec3(0, 2, 0) + point()), i % 500 == 0 ? 0u : 1u});
+        texels.push_back({glm::normalize(glm::vec3(0, 2, 0) + point()), i % 500 == 0 ? 0u : 1u,
+                          i % 400 == 0 ? 0.5F : 1.0F});
 
     FrameStats stats;
     const Verdicts code = judge(task, texels), shader = pass.judge(task, texels, stats);
@@ -108,6 +110,12 @@ TEST(AdaptiveOracle, ShaderAndCodeSayTheSame) {
     EXPECT_LE(differing(code.edges, shader.edges), 6);
     EXPECT_LE(differing(code.triangles, shader.triangles), 10);
     EXPECT_THAT(device.validation_messages(), testing::IsEmpty());
+
+    // With a picture, whose texels differ from what the corners say.
+    task.settings.textured = 1;
+    const Verdicts of_picture = judge(task, texels);
+    EXPECT_GT(count(of_picture.triangles, kHidden), count(code.triangles, kHidden) + 10);
+    EXPECT_LE(differing(of_picture.triangles, pass.judge(task, texels, stats).triangles), 10);
 
     // And so for the grid of a frame.
     const auto scene = pool(0.01);
@@ -220,6 +228,43 @@ TEST(AdaptiveOracle, RefinesTheEdgeOfASpot) {
                     optics::f64::spot_light_falloff(cosine, cos_outer, cos_inner);
     }
     EXPECT_NEAR(power / expected, 1, 2.5e-3);
+}
+
+TEST(AdaptiveOracle, RefinesTheEdgesOfAPicture) {
+    const auto scene = pool(0);
+    scene->state.lights = {test::spot({0, 3, 0}, {0, 0, 0}, 25)};
+    // An edge at u = 0.6, and a line that no ray of the coarse grid meets, nor one half way between two.
+    scene->light_textures = {test::picture(256, 256, [](float u, float) {
+        return glm::vec3(u > 0.6F || (u > 0.318F && u < 0.324F) ? 0.2F : 1.0F);
+    })};
+    const Refined refined(*scene, light::kWater, 3);
+    const double radius = std::tan(25 * scene::kDegree);
+    std::size_t at_edge = 0, at_line = 0, coarse = 0;
+    for (const ProjectedGrid::Triangle& t : refined.grid().triangles()) {
+        double low = 1, high = 0, farthest = 0;
+        for (const std::uint32_t vertex : t.vertices) {
+            const glm::dvec3 way = refined.view().ray(refined.grid().uv(vertex)).direction;
+            const double u = 0.5 + 0.5 * way.x / -way.y / radius;
+            low = std::min(low, u);
+            high = std::max(high, u);
+            farthest = std::max(farthest, std::hypot(way.x, way.z) / -way.y / radius);
+        }
+        if (farthest > 0.85) continue;  // the edge of the cone is refined too
+        const bool finest = refined.size(t) < 0.13;
+        if (low < 0.6 && high > 0.6) {
+            ++at_edge;
+            EXPECT_TRUE(finest);
+        } else if (low < 0.321 && high > 0.32) {
+            ++at_line;
+            EXPECT_TRUE(finest);
+        } else if (low > 0.7 || (low > 0.42 && high < 0.5)) {
+            EXPECT_FALSE(finest);
+            ++coarse;
+        }
+    }
+    EXPECT_GT(at_edge, 50U);
+    EXPECT_GT(at_line, 20U);
+    EXPECT_GT(coarse, 20U);
 }
 
 TEST(AdaptiveOracle, FewerBeamsThanARegularGridAsFine) {
