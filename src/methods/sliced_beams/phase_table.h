@@ -1,4 +1,5 @@
 #pragma once
+#include <span>
 #include <vector>
 
 #include "media/media.h"
@@ -26,11 +27,17 @@ public:
     }
     Real at(Real squared_sine) const;
 
-private:
     /// share / (least + grows sin^2(theta / 2))^(3/2)
     struct Lobe {
         Real share, least, grows;
     };
+    /// What the function is: lobes, or values evenly over sqrt(sin(theta / 2)), the last one twice, or a
+    /// constant.
+    std::span<const Lobe> lobes() const { return {lobes_, static_cast<std::size_t>(lobe_count_)}; }
+    std::span<const Real> values() const { return values_; }
+    Real constant() const { return even_; }
+
+private:
     static Lanes<Real> of_lobe(const Lobe& lobe, Lanes<Real> squared_sine) {
         const Lanes<Real> root =
             inverse_root(multiply_add(splat(lobe.grows), squared_sine, splat(lobe.least)));

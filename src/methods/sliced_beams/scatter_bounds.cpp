@@ -102,6 +102,24 @@ void ScatterBounds<Real>::build(Slab& slab, std::span<const glm::uvec3> triangle
     }
 }
 
+template <class Real>
+void ScatterBounds<Real>::leave_out(std::vector<std::uint8_t> clusters) {
+    left_out_.clear();
+    if (pyramid_.empty()) return;
+    left_out_.push_back(std::move(clusters));
+    for (std::size_t level = 1; level < pyramid_.levels(); ++level) {
+        const std::size_t columns = pyramid_.columns(level);
+        const std::vector<std::uint8_t>& finer = left_out_.back();
+        std::vector<std::uint8_t> nodes(pyramid_.rows(level) * columns, 1);
+        for (std::size_t i = 0; i < nodes.size(); ++i)
+            pyramid_.visit_children(
+                {static_cast<std::uint32_t>(level), static_cast<std::uint32_t>(i / columns),
+                 static_cast<std::uint32_t>(i % columns)},
+                [&](NodeId child) { nodes[i] &= finer[pyramid_.index(child)]; });
+        left_out_.push_back(std::move(nodes));
+    }
+}
+
 template class ScatterBounds<float>;
 template class ScatterBounds<double>;
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -38,8 +39,9 @@ public:
 
     static double bytes_a_cluster() { return sizeof(Node) * 4.0 / 3 * (kSlabs + 1); }
 
-private:
-    static constexpr int kSlabs = 4;
+    /// Leaves out the clusters that hold nothing any more, by their index in the finest level: 1 a cluster.
+    void leave_out(std::vector<std::uint8_t> clusters);
+
     /// Bounds at a slab's first depth, and by how much they grow, m a m.
     struct Node {
         Real low_a, high_a, low_b, high_b;
@@ -47,16 +49,23 @@ private:
         Real first_start, last_start, stop;
     };
     struct Slab {
-        Real from, to;
-        std::vector<std::vector<Node>> levels;
+        Real from, to;                          ///< m of depth; the last one's end is infinite
+        std::vector<std::vector<Node>> levels;  ///< as the pyramid's; of its dark nodes nothing
     };
+    const std::vector<Slab>& slabs() const { return slabs_; }
+    /// m, of all bounds' places at the last slab's first depth.
+    Real largest() const { return largest_; }
+
+private:
+    static constexpr int kSlabs = 4;
     void build(Slab& slab, std::span<const glm::uvec3> triangles, std::span<const Real> stops) const;
     static Node united(const Node& x, const Node& y, Real height);
 
     const light::BeamSheet<Real>& sheet_;
     const BeamPyramid<Real>& pyramid_;
-    Real largest_ = 0;  ///< m, of all bounds' places at the last depth
+    Real largest_ = 0;
     std::vector<Slab> slabs_;
+    std::vector<std::vector<std::uint8_t>> left_out_;  ///< a node of each level, or empty: none is
 };
 
 /// What is left of [from, to] where c0 + c1 s >= 0.
@@ -98,6 +107,7 @@ void ScatterBounds<Real>::visit(const SegmentLanes<Real>& s, glm::vec<2, Real> s
             L from = open.back().from, to = open.back().to;
             open.pop_back();
             if (pyramid_.dark(id)) continue;
+            if (!left_out_.empty() && left_out_[id.level][pyramid_.index(id)]) continue;
             const Node& n = slab.levels[id.level][pyramid_.index(id)];
             const L below = s.depth - slab.from;
             // The shift, times the depth from where the rays start.

@@ -1,5 +1,7 @@
 #include "methods/sliced_beams/scatter_sheet.h"
 
+#include <algorithm>
+
 #include "methods/sliced_beams/scatter_query.h"
 
 namespace dapple::methods::sliced_beams {
@@ -35,6 +37,22 @@ ScatterSheet<Real>::ScatterSheet(const SheetCoverage<Real>& sheet)
       bounds_(sheet.sheet(), sheet.pyramid(), sheet.triangles(), ways_.last_depths()),
       clusters_(beam_clusters(sheet, ways_)),
       shapes_(sheet.scene(), sheet.sheet()) {}
+
+template <class Real>
+bool ScatterSheet<Real>::keep_mixed() {
+    std::vector<std::uint8_t> left_out(clusters_.size());
+    for (std::size_t i = 0; i < clusters_.size(); ++i) {
+        BeamCluster<Real>& cluster = clusters_[i];
+        auto* const end = std::remove_if(cluster.beam, cluster.beam + cluster.beams, [](const auto& beam) {
+            return (beam.shade & (BeamWays<Real>::kMixedAfter | BeamWays<Real>::kMixedBefore)) == 0;
+        });
+        cluster.beams = static_cast<std::uint8_t>(end - cluster.beam);
+        left_out[i] = cluster.beams == 0 ? 1 : 0;
+    }
+    const bool any = std::find(left_out.begin(), left_out.end(), 0) != left_out.end();
+    bounds_.leave_out(std::move(left_out));
+    return any;
+}
 
 template <class Real>
 LightDirection<Real> ScatterSheet<Real>::direction(glm::dvec2 disc) const {

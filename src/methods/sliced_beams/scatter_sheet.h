@@ -87,6 +87,10 @@ public:
              const EvenMedium<Real>& medium, const UnevenGroup<Real>* uneven, Lanes<Real> (&radiance)[3],
              ScatterCounts& counts) const;
 
+    /// Leaves out all beams but those among whose rays an object may stand: the others' light is found
+    /// elsewhere. False where none is left.
+    bool keep_mixed();
+
     /// That of a point of the unit disc.
     LightDirection<Real> direction(glm::dvec2 disc) const;
     /// W a channel of beams that are flat at all depths: no segment meets them.

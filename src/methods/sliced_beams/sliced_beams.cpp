@@ -10,6 +10,7 @@
 #include "methods/sliced_beams/layer_tiles.h"
 #include "methods/sliced_beams/light_lattice.h"
 #include "methods/sliced_beams/point_query.h"
+#include "methods/sliced_beams/scatter_pass.h"
 #include "methods/sliced_beams/sheet_coverage.h"
 #include "methods/sliced_beams/volume_light.h"
 #include "ocean/grid_size.h"
@@ -25,6 +26,7 @@ using sliced_beams::PointQuery;
 using sliced_beams::QueryCounts;
 using sliced_beams::ReceiverGroup;
 using sliced_beams::ScatterCounts;
+using sliced_beams::ScatterPass;
 using sliced_beams::SheetCoverage;
 using sliced_beams::VolumeLight;
 
@@ -34,6 +36,7 @@ struct SlicedBeams::State {
     CoverageBackend backend;
     std::unique_ptr<CoveragePass> pass;  ///< once it has been needed
     bool on_device = false;              ///< in this frame
+    std::unique_ptr<ScatterPass> scatter_pass;
     std::vector<std::unique_ptr<SheetCoverage<float>>> sheets;
     std::optional<BeamNeighbors> neighbors;
     std::vector<std::unique_ptr<PointQuery<float>>>
@@ -42,6 +45,7 @@ struct SlicedBeams::State {
     std::optional<LightLattice> lattice;  ///< of one call of irradiance(), where a sheet has a disc
     std::optional<VolumeLight> volume;    ///< once a frame's segments have been asked for
 
+    bool computes(const gpu::Device& device) const;
     void choose_backend(FrameContext& context);
     void find_shared(const FrameContext& context, std::span<const view::ReceiverLayer> layers,
                      QueryCounts& counts);
@@ -51,10 +55,12 @@ struct SlicedBeams::State {
 
 namespace {
 
-/// Whether the device computes coverage by itself; by its type, never by timing, so that bits repeat. On
-/// lavapipe the pass costs 2.0 to 2.4 times the CPU code on a level floor, more than the twice that it may;
-/// 1.4 to 2 times on a pool with a column and on a curved floor
-/// (tests/benchmarks/beams/bench_coverage_pass.cpp).
+/// Whether the device computes coverage and scattered light by itself; by its type, never by timing, so that
+/// bits repeat. On lavapipe the pass of coverage costs 2.0 to 2.4 times the CPU code on a level floor, more
+/// than the twice that it may; 1.4 to 2 times on a pool with a column and on a curved floor
+/// (tests/benchmarks/beams/bench_coverage_pass.cpp). That of scattered light costs some 25 times as much
+/// (bench_scatter.cpp): there all branches are executed, and every number is loaded for each segment by
+/// itself.
 bool computes_by_default(gpu::DeviceType type) {
     return type != gpu::DeviceType::cpu;
 }
@@ -163,10 +169,14 @@ void count_left_out(const view::ReceiverLayer& layer, const LayerResult& result,
 
 }  // namespace
 
+bool SlicedBeams::State::computes(const gpu::Device& device) const {
+    return backend == CoverageBackend::compute ||
+           (backend == CoverageBackend::automatic && computes_by_default(device.info().type));
+}
+
 void SlicedBeams::State::choose_backend(FrameContext& context) {
     const ScopedPass pass_time(context.stats, "coverage");
-    on_device = backend == CoverageBackend::compute ||
-                (backend == CoverageBackend::automatic && computes_by_default(context.device.info().type));
+    on_device = computes(context.device);
     if (!on_device) return;
     if (!pass) pass = std::make_unique<CoveragePass>(context.device);
     on_device = pass->begin(sheets);
@@ -252,10 +262,18 @@ void SlicedBeams::irradiance(FrameContext& context, std::span<const view::Receiv
 
 void SlicedBeams::in_scatter(FrameContext& context, const view::SegmentLayer& layer,
                              std::span<glm::vec3> radiance) {
-    const ScopedPass pass(context.stats, "scattering");
-    if (!state_->volume) state_->volume.emplace(context.scene, state_->sheets, context.stats);
+    if (!state_->volume) {
+        const ScopedPass pass(context.stats, "scattering");
+        if (state_->computes(context.device) && !state_->scatter_pass)
+            state_->scatter_pass = std::make_unique<ScatterPass>(context.device);
+        state_->volume.emplace(context.scene, state_->sheets, context.stats, state_->scatter_pass.get());
+    }
     ScatterCounts counts;
-    state_->volume->add(layer, radiance, counts);
+    {
+        const ScopedPass pass(context.stats, "scattering");
+        state_->volume->add(layer, radiance, counts);
+    }
+    state_->volume->add_on_device(layer, radiance, counts, context.stats);
     counts.report(context.stats);
 }
 

@@ -5,11 +5,11 @@
 
 namespace dapple::methods {
 
-/// Where the coverage of receivers is computed.
+/// Where the coverage of receivers, and the light that even water scatters out of beams, are computed.
 enum class CoverageBackend {
     automatic,  ///< by the type of the device
     cpu,
-    compute,  ///< on the device, but for meshes that it cannot bind and what the pass leaves to the CPU
+    compute,  ///< on the device, but for meshes that it cannot bind and what the passes leave to the CPU
 };
 
 /// Exact up to the mesh, without noise: every triangle of the water is a beam of light; what part of a landed

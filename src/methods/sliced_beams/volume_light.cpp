@@ -6,8 +6,8 @@
 
 namespace dapple::methods::sliced_beams {
 
-VolumeLight::VolumeLight(const scene::FrameScene& scene, Sheets sheets, FrameStats& stats)
-    : scene_(scene), media_(scene) {
+VolumeLight::VolumeLight(const scene::FrameScene& scene, Sheets sheets, FrameStats& stats, ScatterPass* pass)
+    : scene_(scene), media_(scene), pass_(pass) {
     const std::vector<media::Component>& components = media_.components();
     for (std::size_t i = 0; i < components.size(); ++i) phases_.emplace_back(media_, i);
     even_[0] = EvenMedium<float>({0, 0, 0}, {0, 0, 0}, phases_[0]);
@@ -19,6 +19,14 @@ VolumeLight::VolumeLight(const scene::FrameScene& scene, Sheets sheets, FrameSta
         if (collapsed != glm::dvec3(0))
             stats.count("lost to flat beams, W", (collapsed.x + collapsed.y + collapsed.z) / 3);
     }
+    on_cpu_.assign(sheets_.size(), 1);
+    if (!pass_) return;
+    pass_->clear();
+    // The device knows the water alone.
+    if (media_.bounded(true) || !media_.scatters(true)) return;
+    for (std::size_t i = 0; i < sheets_.size(); ++i)
+        if (sheets_[i]->coverage().sheet().in_water() && pass_->take(*sheets_[i], i))
+            on_cpu_[i] = sheets_[i]->keep_mixed() ? 1 : 0;
 }
 
 std::vector<VolumeLight::Direction> VolumeLight::directions(const view::SegmentLayer& layer,
@@ -56,7 +64,9 @@ void VolumeLight::find_uneven(const LayerGroup& group, UnevenGroup<float>& uneve
 
 void VolumeLight::add(const view::SegmentLayer& layer, std::span<glm::vec3> radiance,
                       ScatterCounts& counts) const {
-    const std::vector<Direction> side[2] = {directions(layer, false), directions(layer, true)};
+    std::vector<Direction> side[2] = {directions(layer, false), directions(layer, true)};
+    std::erase_if(side[1], [&](const Direction& d) { return !on_cpu_[d.sheet]; });
+    if (side[0].empty() && side[1].empty()) return;
     const LayerSegments segments(layer);
     constexpr std::size_t kPart = 2;
     std::vector<ScatterCounts> parts(segments.patches() / kPart + 1);
@@ -64,7 +74,7 @@ void VolumeLight::add(const view::SegmentLayer& layer, std::span<glm::vec3> radi
         ScatterCounts& part = parts[begin / kPart];
         for (std::size_t patch = begin; patch < end; ++patch) {
             for (const LayerGroup& group : segments.groups(patch)) {
-                if (!media_.scatters(group.in_water)) continue;
+                if (!media_.scatters(group.in_water) || side[group.in_water].empty()) continue;
                 const bool bounded = media_.bounded(group.in_water);
                 UnevenGroup<float> uneven;
                 if (bounded) find_uneven(group, uneven);
@@ -82,6 +92,13 @@ void VolumeLight::add(const view::SegmentLayer& layer, std::span<glm::vec3> radi
         }
     });
     for (const ScatterCounts& part : parts) counts.add(part);
+}
+
+void VolumeLight::add_on_device(const view::SegmentLayer& layer, std::span<glm::vec3> radiance,
+                                ScatterCounts& counts, FrameStats& stats) const {
+    std::vector<Direction> taken = directions(layer, true);
+    std::erase_if(taken, [&](const Direction& d) { return !pass_ || !pass_->takes(d.sheet); });
+    if (!taken.empty()) pass_->add(LayerSegments(layer), taken, even_[1], radiance, counts, stats);
 }
 
 }  // namespace dapple::methods::sliced_beams

@@ -1,10 +1,12 @@
 // scatter: S of 960 x 540 camera segments in a pool of 5 m x 5 m, 2 m deep, about 100 000 beams, even water;
-// the camera is under water. Argument: directions of the sun's disc. edges_alone: the raw limit, the
+// the camera is under water. Arguments: cells along x, directions of the
+// sun's disc, and whether the device computes. edges_alone: the raw limit, the
 // quadratic test of beams that lie side by side against segments that cross all of them, without finding them
 // or integrating. cpu_s is process CPU time of all threads.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "base/stats.h"
@@ -68,6 +70,13 @@ view::SegmentLayer segments(const scene::FrameState& state) {
     return layer;
 }
 
+/// The first row.
+view::SegmentLayer first_of(view::SegmentLayer layer) {
+    layer.height = 1;
+    layer.first.resize(kWidth + 1);
+    return layer;
+}
+
 void scatter(benchmark::State& bench) {
     scene::FrameScene scene = pool(static_cast<int>(bench.range(0)));
     scene.state.caustics.sliced_beams.volume_sun_samples = static_cast<int>(bench.range(1));
@@ -79,12 +88,21 @@ void scatter(benchmark::State& bench) {
         sheets.push_back(std::make_unique<SheetCoverage<float>>(scene, rays, std::move(sheet), 2.6f));
     double cpu_s = 0, mean = 0;
     ScatterCounts counts;
+    static gpu::Device device{gpu::DeviceOptions{}};
+    std::optional<ScatterPass> pass;
+    if (bench.range(2) != 0) pass.emplace(device);
+    if (pass) {  // its shader is compiled at its first use
+        std::vector<glm::vec3> radiance(layer.segments(), glm::vec3(0));
+        const VolumeLight volume(scene, sheets, stats, &*pass);
+        volume.add_on_device(first_of(layer), radiance, counts, stats);
+    }
     for (auto _ : bench) {
         counts = {};
         const double before = cpu_seconds();
-        const VolumeLight volume(scene, sheets, stats);
+        const VolumeLight volume(scene, sheets, stats, pass ? &*pass : nullptr);
         std::vector<glm::vec3> radiance(layer.segments(), glm::vec3(0));
         volume.add(layer, radiance, counts);
+        volume.add_on_device(layer, radiance, counts, stats);
         cpu_s += cpu_seconds() - before;
         mean = 0;
         for (const glm::vec3& s : radiance)
@@ -101,7 +119,11 @@ void scatter(benchmark::State& bench) {
     bench.counters["M_intervals_per_cpu_s"] = 1e-6 * static_cast<double>(counts.intervals) / cpu_s;
     bench.counters["mean_S"] = mean;
 }
-BENCHMARK(scatter)->Args({224, 1})->Args({224, 4})->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK(scatter)
+    ->ArgsProduct({{224}, {1, 4}, {0, 1}})
+    ->ArgNames({"cells", "directions", "device"})
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
 
 void edges_alone(benchmark::State& bench) {
     constexpr int kBeams = 1024;

@@ -1,0 +1,20 @@
+#pragma once
+#include <vector>
+
+#include "layout/scatter.h"
+#include "methods/sliced_beams/scatter_sheet.h"
+
+namespace dapple::methods::sliced_beams {
+
+/// A sheet's beams among which no object may stand, as ScatterPass has them on the device.
+struct ScatterTree {
+    std::vector<layout::ScatterSlab> slabs;
+    std::vector<layout::ScatterNode> nodes;  ///< slab by slab, each node before its children
+    std::vector<layout::ScatterBeam> beams;  ///< in the order of the finest nodes
+    std::vector<layout::ScatterRay> rays;    ///< a vertex of the water
+    float largest = 0;                       ///< m, as ScatterBounds::largest()
+
+    explicit ScatterTree(const ScatterSheet<float>& sheet);
+};
+
+}  // namespace dapple::methods::sliced_beams
