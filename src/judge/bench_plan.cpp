@@ -27,8 +27,9 @@ struct DefaultLadder {
     std::string_view method, key;
     std::vector<std::string_view> values;
 };
-const std::array<DefaultLadder, 1> kDefaultLadders{
-    {{"photon_splatting", "caustics.map_resolution", {"256", "512", "1024", "2048"}}}};
+const std::array<DefaultLadder, 2> kDefaultLadders{
+    {{"photon_splatting", "caustics.map_resolution", {"256", "512", "1024", "2048"}},
+     {"adaptive_beams", "caustics.levels", {"0", "1", "2", "3", "4", "5"}}}};
 
 const scene::Structure& caustics_schema() {
     return *scene::frame_schema().find(kCaustics, "")->structure;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "judge/bench_error_times.h"
 #include "judge/text.h"
 #include "report/canvas.h"
 #include "report/heat_map.h"
@@ -33,24 +34,6 @@ std::vector<const RungResult*> rungs_of(const BenchResult& result, std::size_t l
     return rungs;
 }
 
-using ErrorMember = double ClipErrors::*;
-using TimeMember = Spread Timing::*;
-
-/// Whose errors are looked at.
-enum class Judged { layer, scattered };
-
-std::vector<std::pair<double, double>> points_of(const BenchResult& result, std::size_t ladder, Judged what,
-                                                 TimeMember time, ErrorMember error) {
-    std::vector<std::pair<double, double>> points;
-    for (const RungResult* rung : rungs_of(result, ladder)) {
-        if (what == Judged::scattered && !rung->scattered) continue;
-        const ClipErrors& errors = what == Judged::scattered ? *rung->scattered : rung->judged.errors;
-        points.emplace_back((rung->timing.*time).median, errors.*error);
-    }
-    std::sort(points.begin(), points.end());
-    return points;
-}
-
 /// An error of 0 is one too small to be told, which has no place on a logarithmic axis: it is drawn at the
 /// reference's noise, or at the least other error where that is smaller. Returns what has to be said of it.
 std::string draw_zeros(report::Plot& plot, double noise) {
@@ -71,15 +54,20 @@ std::string draw_zeros(report::Plot& plot, double noise) {
            formatted("%.2g", floor) + ": " + names + ".";
 }
 
-void add_plot(HtmlPage& page, const BenchResult& result, const char* title, const char* x_label, Judged what,
-              TimeMember time, ErrorMember error, const std::optional<double>& noise) {
-    report::Plot plot{.title = title, .x_label = x_label, .y_label = "share of the mean"};
+void add_plot(HtmlPage& page, const BenchResult& result, const char* title, Judged what, Clock clock,
+              const ErrorKind& kind) {
+    report::Plot plot{.title = title,
+                      .x_label = clock == Clock::wall ? "wall s a frame" : "CPU s a frame",
+                      .y_label = "share of the mean"};
     plot.log_x = plot.log_y = true;
     for (std::size_t i = 0; i < result.ladders.size(); ++i)
         plot.series.push_back(
-            {result.ladders[i].name(), points_of(result, i, what, time, error), true, true});
-    if (noise && *noise > 0) plot.limits.emplace_back(*noise, "the reference's noise");
-    const std::string drawn = draw_zeros(plot, noise.value_or(0));
+            {result.ladders[i].name(), times_and_errors(result, i, what, clock, kind), true, true});
+    const TimesAndErrors reference = reference_times_and_errors(result, what, clock, kind);
+    const double noise = reference.empty() ? 0 : reference.back().second;
+    if (noise > 0) plot.limits.emplace_back(noise, "the reference's noise");
+    const std::string drawn = draw_zeros(plot, noise);
+    if (!reference.empty()) plot.series.push_back({"reference, its noise", reference, true, false});
     page.plot(report::svg(plot));
     if (!drawn.empty()) page.paragraph(drawn);
 }
@@ -115,10 +103,9 @@ void add_scattered(HtmlPage& page, const BenchResult& result) {
     const std::optional<ReferenceNoise>& noise = result.reference->scattered;
     if (!noise) return;
     page.heading("Scattered light");
-    add_plot(page, result, "Relative L1 of scattered light", "wall s a frame", Judged::scattered,
-             &Timing::wall_s, &ClipErrors::l1, noise->l1);
-    add_plot(page, result, "Relative RMSE of scattered light, less the reference's noise", "wall s a frame",
-             Judged::scattered, &Timing::wall_s, &ClipErrors::rmse_less_noise, noise->rmse);
+    add_plot(page, result, "Relative L1 of scattered light", Judged::scattered, Clock::wall, kL1);
+    add_plot(page, result, "Relative RMSE of scattered light, less the reference's noise", Judged::scattered,
+             Clock::wall, kRmse);
     std::vector<std::vector<Cell>> rows;
     for (const RungResult& rung : result.rungs) {
         if (!rung.failure.empty()) continue;
@@ -182,7 +169,8 @@ void add_times(HtmlPage& page, const BenchResult& result) {
     page.table(header, errors);
     page.paragraph(
         "Along straight lines in log(time), log(error) between neighbouring rungs; “≤” where the cheapest "
-        "rung is there already, or one whose RMSE is below the reference's noise.");
+        "rung is there already, or one whose RMSE is below the reference's noise; the reference "
+        "by its noise, as 1 / √time.");
 }
 
 void add_passes(HtmlPage& page, const BenchResult& result) {
@@ -281,51 +269,6 @@ void add_hard_cases(HtmlPage& page, const BenchResult& result) {
 
 }  // namespace
 
-namespace {
-
-TimeMember member_of(Clock clock) {
-    return clock == Clock::wall ? &Timing::wall_s : &Timing::cpu_s;
-}
-
-}  // namespace
-
-TimeToError time_to_l1(const BenchResult& result, std::size_t ladder, Clock clock, double error) {
-    return time_to_error(points_of(result, ladder, Judged::layer, member_of(clock), &ClipErrors::l1_inside),
-                         error);
-}
-
-TimeToError time_to_rmse(const BenchResult& result, std::size_t ladder, Clock clock, double error) {
-    return time_to_error(
-        points_of(result, ladder, Judged::layer, member_of(clock), &ClipErrors::rmse_less_noise), error);
-}
-
-TimeToError time_to_scattered(const BenchResult& result, std::size_t ladder, Clock clock, double error) {
-    return time_to_error(points_of(result, ladder, Judged::scattered, member_of(clock), &ClipErrors::l1),
-                         error);
-}
-
-std::vector<std::vector<std::string>> times_to_errors(const BenchResult& result) {
-    std::vector<std::vector<std::string>> rows;
-    for (std::size_t i = 0; i < result.ladders.size(); ++i) {
-        for (const Clock clock : {Clock::wall, Clock::cpu}) {
-            rows.push_back({result.ladders[i].name() + (clock == Clock::wall ? ": wall" : ": CPU")});
-            for (const double error : kErrorsOfInterest)
-                rows.back().push_back(to_string(time_to_l1(result, i, clock, error)));
-            for (const double error : kErrorsOfInterest)
-                rows.back().push_back(to_string(time_to_rmse(result, i, clock, error)));
-            if (!result.reference->scattered) continue;
-            for (const double error : kErrorsOfInterest)
-                rows.back().push_back(to_string(time_to_scattered(result, i, clock, error)));
-        }
-    }
-    return rows;
-}
-
-std::string to_string(const TimeToError& time) {
-    if (time.state == TimeToError::State::not_reached) return "not reached";
-    return (time.state == TimeToError::State::at_most ? "<= " : "") + formatted("%.3f s", time.seconds);
-}
-
 std::vector<std::string> bench_definitions(const BenchResult& result) {
     std::vector<std::string> texts = {
         "Over the pixels that a run and the reference cover by the same share of their samples, all frames "
@@ -373,13 +316,15 @@ std::string bench_html(const BenchResult& result) {
         for (const RungResult& rung : result.rungs)
             if (!rung.failure.empty()) page.verdict(rung.rung.name + ": " + rung.failure, Tone::bad);
         page.heading("Error over time");
-        const auto& noise = r.noise;
-        add_plot(page, result, "Relative L1 inside surfaces", "wall s a frame", Judged::layer,
-                 &Timing::wall_s, &ClipErrors::l1_inside, noise.l1);
-        add_plot(page, result, "Relative RMSE, less the reference's noise", "wall s a frame", Judged::layer,
-                 &Timing::wall_s, &ClipErrors::rmse_less_noise, noise.rmse);
-        add_plot(page, result, "Relative L1 inside surfaces", "CPU s a frame", Judged::layer, &Timing::cpu_s,
-                 &ClipErrors::l1_inside, noise.l1);
+        add_plot(page, result, "Relative L1 inside surfaces", Judged::layer, Clock::wall, kL1Inside);
+        add_plot(page, result, "Relative RMSE, less the reference's noise", Judged::layer, Clock::wall,
+                 kRmse);
+        add_plot(page, result, "Relative L1 inside surfaces", Judged::layer, Clock::cpu, kL1Inside);
+        if (r.noise.rmse)
+            page.paragraph(
+                "The reference's line is its own noise at the time it took for the layer and scattered light "
+                "together, and as 1 / √time before: where a method's line lies below it, brute force of the "
+                "same time would be worse.");
         add_scattered(page, result);
         add_times(page, result);
         add_errors(page, result);

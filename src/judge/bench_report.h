@@ -45,25 +45,6 @@ struct BenchResult {
     run::NamedTexts provenance;
 };
 
-/// The errors whose time is told, and what they are of.
-inline constexpr double kErrorsOfInterest[] = {0.05, 0.02, 0.01};
-
-enum class Clock { wall, cpu };
-
-/// Seconds a frame to an error, of the rungs of a ladder: by relative L1 inside surfaces, and by RMSE less
-/// the reference's noise.
-TimeToError time_to_l1(const BenchResult& result, std::size_t ladder, Clock clock, double error);
-TimeToError time_to_rmse(const BenchResult& result, std::size_t ladder, Clock clock, double error);
-/// By relative L1 of S.
-TimeToError time_to_scattered(const BenchResult& result, std::size_t ladder, Clock clock, double error);
-
-/// The table of these times: a row a ladder and clock, its name first, then those of L1 and of RMSE, and of S
-/// where the timeline scatters light.
-std::vector<std::vector<std::string>> times_to_errors(const BenchResult& result);
-
-/// "0.21 s", "<= 0.2 s", "not reached".
-std::string to_string(const TimeToError& time);
-
 std::string bench_csv(const BenchResult& result);
 std::string bench_json(const BenchResult& result);
 std::string bench_html(const BenchResult& result);

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "judge/bench_error_times.h"
 #include "judge/bench_report.h"
 #include "judge/text.h"
 #include "run/json_number.h"
@@ -67,6 +68,23 @@ Json to_json(const TimeToError& time) {
                                                                     : "not_reached";
     const bool reached = time.state != TimeToError::State::not_reached;
     return {{"state", state}, {"seconds", reached ? Json(time.seconds) : Json(nullptr)}};
+}
+
+/// `time` gives the time of what, by a clock, to an error of a kind.
+template <class Time>
+Json times_to_error(bool scatters, const Time& time) {
+    Json times = Json::array();
+    for (const double error : kErrorsOfInterest) {
+        Json entry = {{"error", error}};
+        for (const Clock clock : {Clock::wall, Clock::cpu}) {
+            Json& of_clock = entry[clock == Clock::wall ? "wall" : "cpu"];
+            of_clock = {{"l1_inside", to_json(time(Judged::layer, clock, kL1Inside, error))},
+                        {"rmse_less_noise", to_json(time(Judged::layer, clock, kRmse, error))}};
+            if (scatters) of_clock["scattered_l1"] = to_json(time(Judged::scattered, clock, kL1, error));
+        }
+        times.push_back(std::move(entry));
+    }
+    return times;
 }
 
 Json to_json(const RungResult& result, const BenchResult& all) {
@@ -196,6 +214,10 @@ std::string bench_json(const BenchResult& result) {
                              {"wall_s", r.wall_s},
                              {"cpu_s", r.cpu_s},
                              {"partly", r.partly}};
+        json["reference"]["time_to_error"] = times_to_error(
+            r.scattered.has_value(), [&](Judged what, Clock clock, const ErrorKind& kind, double e) {
+                return reference_time_to(result, what, clock, kind, e);
+            });
         if (r.scattered)
             json["reference"]["scattered"] = {{"mean", r.scattered->mean},
                                               {"noise_rmse", to_json(r.scattered->rmse)},
@@ -205,22 +227,14 @@ std::string bench_json(const BenchResult& result) {
                              {"count", result.exposures.count}};
         Json ladders = Json::array(), rungs = Json::array();
         for (std::size_t i = 0; i < result.ladders.size(); ++i) {
-            Json times = Json::array();
-            for (const double error : kErrorsOfInterest) {
-                Json entry = {{"error", error}};
-                for (const Clock clock : {Clock::wall, Clock::cpu}) {
-                    Json& times_of_clock = entry[clock == Clock::wall ? "wall" : "cpu"];
-                    times_of_clock = {{"l1_inside", to_json(time_to_l1(result, i, clock, error))},
-                                      {"rmse_less_noise", to_json(time_to_rmse(result, i, clock, error))}};
-                    if (r.scattered)
-                        times_of_clock["scattered_l1"] = to_json(time_to_scattered(result, i, clock, error));
-                }
-                times.push_back(std::move(entry));
-            }
             ladders.push_back({{"method", result.ladders[i].method},
                                {"key", result.ladders[i].key},
                                {"values", result.ladders[i].values},
-                               {"time_to_error", times}});
+                               {"time_to_error",
+                                times_to_error(r.scattered.has_value(), [&](Judged what, Clock clock,
+                                                                            const ErrorKind& kind, double e) {
+                                    return time_to(result, i, what, clock, kind, e);
+                                })}});
         }
         for (const RungResult& rung : result.rungs) rungs.push_back(to_json(rung, result));
         json["ladders"] = ladders;

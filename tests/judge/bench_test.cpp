@@ -11,6 +11,7 @@
 
 #include "base/error.h"
 #include "image/temporary_folder.h"
+#include "judge/bench_error_times.h"
 #include "judge/bench_plan.h"
 #include "judge/bench_process.h"
 #include "judge/bench_report.h"
@@ -65,6 +66,7 @@ TEST(Plan, HasEveryMethodOverItsDefaultLadder) {
     EXPECT_THAT(judged_methods(), testing::Not(Contains("reference")));
     EXPECT_EQ(plan.ladders[0].name(), "sliced_beams, water.mesh_cells");
     EXPECT_EQ(plan.ladders[1].values, (std::vector<std::string>{"256", "512", "1024", "2048"}));
+    EXPECT_EQ(plan.ladders[2], (Ladder{"adaptive_beams", "caustics.levels", {"0", "1", "2", "3", "4", "5"}}));
     // 25 cells a wave of 0.306 m over 8 m come to 654; about that, by factors of two.
     ASSERT_EQ(plan.ladders[0].values.size(), 4u);
     const double middle = std::stod(plan.ladders[0].values[2]);
@@ -234,6 +236,8 @@ BenchResult made_up_result() {
     result.ladders = {{"sliced_beams", "water.mesh_cells", {"10", "20"}}};
     ReferenceResult reference;
     reference.noise = {1, 400, 0.01, 0.008};
+    reference.wall_s = 10;
+    reference.cpu_s = 20;
     result.reference = reference;
     for (const double t : {1.0, 2.0}) {
         RungResult rung;
@@ -301,6 +305,25 @@ BenchResult made_up_scattering() {
     errors.l1 = 0.0123;
     errors.rmse_less_noise = 0.0345;
     return result;
+}
+
+TEST(Report, DrawsTheReferencesOwnErrorOverTime) {
+    BenchResult result = made_up_result();
+    const TimesAndErrors points = reference_times_and_errors(result, Judged::layer, Clock::cpu, kL1Inside);
+    ASSERT_EQ(points.size(), 5u) << "four times the time halves it; a thousandth of the time is the least";
+    EXPECT_EQ(points.back(), std::make_pair(20.0, 0.008));
+    EXPECT_EQ(points.front(), std::make_pair(20.0 / 256, 16 * 0.008));
+    EXPECT_THAT(bench_html(result), HasSubstr("reference, its noise"));
+    // 0.8 % (L1) and 1 % (RMSE) in 10 s: 1 % took 6.4 and 10 s, 5 % 0.256 and 0.4 s.
+    for (const char* row : {"0.256 s", "1.600 s", "6.400 s", "0.400 s", "2.500 s", "10.000 s"})
+        EXPECT_THAT(times_to_errors(result)[2], Contains(row));
+    const auto times = nlohmann::json::parse(bench_json(result)).at("reference").at("time_to_error");
+    EXPECT_NEAR(times[2].at("cpu").at("l1_inside").at("seconds"), 12.8, 1e-12);
+    // Of layers without a variance nothing is known.
+    result.reference->noise = {1, 400, {}, {}};
+    EXPECT_TRUE(reference_times_and_errors(result, Judged::layer, Clock::wall, kL1Inside).empty());
+    EXPECT_THAT(times_to_errors(result)[2], Contains("not known").Times(6));
+    EXPECT_THAT(bench_html(result), testing::Not(HasSubstr("reference, its noise")));
 }
 
 TEST(Report, TellsErrorsOfScatteredLightWhereThereIsAny) {
