@@ -89,6 +89,9 @@ TEST_F(ExitCode, Of4IsAnUnreadableInput) {
     expect_failure(render({"--set", "objects[0].material.texture=none.png"}), 4, "none.png: cannot be read");
     expect_failure(run_dapple(scratch, {"validate", kSmall, "--set", "objects[1].file=none.obj"}), 4,
                    "none.obj");
+    const std::string lamp = "lights=[{type: spot, target: [0, 0, 0], texture: ";
+    expect_failure(run_dapple(scratch, {"validate", kSmall, "--set", lamp + "roof.obj}]"}), 4,
+                   "roof.obj: a texture is an EXR or a PNG file");
     expect_nothing_written();
     const auto outcome = render({"--set", "objects[1].file=broken.obj"});
     expect_failure(outcome, 4, "broken.obj");

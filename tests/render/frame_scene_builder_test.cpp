@@ -3,8 +3,17 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <string>
+
 #include "base/error.h"
 #include "grids/density_grid.h"
+#include "image/exr.h"
+#include "image/temporary_folder.h"
+#include "render/picture_mesh.h"
+#include "render/texture_files.h"
 
 namespace dapple::render {
 namespace {
@@ -106,6 +115,88 @@ TEST(FrameSceneBuilder, GlassIsMadeOfClosedMeshes) {
             EXPECT_THAT(error.what(), testing::HasSubstr("roof.obj: glass needs a closed mesh"));
         }
     }
+}
+
+std::string text_of(const std::string& path) {
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+}
+
+/// A spot 2 m above a pool of 8 m by 4 m, whose picture is 2 m wide on it.
+scene::FrameState with_picture(const std::string& file) {
+    scene::FrameState state;
+    state.water.emplace().extent.size = {8, 4};
+    scene::Light& light = state.lights.emplace_back();
+    light.type = scene::LightType::spot;
+    light.position = {0, 2, 0};
+    light.cone_angle = std::atan(0.5);
+    light.texture = file;
+    return state;
+}
+
+TEST(FrameSceneBuilder, LoadsWhatSpotsThrow) {
+    const test::TemporaryFolder folder;
+    image::Image picture;
+    picture.width = 2;
+    picture.height = 1;
+    picture.add("Y").values = {0.25f, 3.0f};
+    image::write_exr_verified(folder / "a.exr", picture);
+    scene::FrameState state = with_picture(folder / "a.exr");
+    state.lights.emplace_back();
+    FrameSceneBuilder builder;
+    const scene::FrameScene scene = builder.build(state);
+    ASSERT_EQ(scene.light_textures.size(), 2U);
+    EXPECT_EQ(scene.light_textures[0]->rgb()[3], 3.0f);
+    EXPECT_EQ(scene.light_textures[1], nullptr);
+    EXPECT_EQ(builder.build(state).light_textures[0], scene.light_textures[0]) << "read twice";
+
+    const auto message = [&](const std::string& file) -> std::string {
+        try {
+            check_light_textures(with_picture(file));
+        } catch (const Error& error) {
+            EXPECT_EQ(error.code(), ExitCode::input_unreadable);
+            return error.what();
+        }
+        return "no error";
+    };
+    EXPECT_EQ(message(folder / "a.exr"), "no error");
+    EXPECT_THAT(message(folder / "none.exr"), testing::HasSubstr("none.exr: cannot be read"));
+    picture.find("Y")->values[1] = -1;
+    image::write_exr_verified(folder / "b.exr", picture);
+    EXPECT_THAT(message(folder / "b.exr"),
+                testing::HasSubstr("b.exr: light is not negative, which the texture is in 3 values, first at "
+                                   "pixel 1,0"));
+    // Our own writer lets no NaN pass: it is put where -1 was, in a row too short to be packed.
+    std::string bytes = text_of(folder / "b.exr");
+    const std::size_t place = bytes.rfind(std::string("\0\0\x80\xbf", 4));
+    ASSERT_NE(place, std::string::npos);
+    std::ofstream(folder / "c.exr", std::ios::binary)
+        << bytes.replace(place, 4, std::string("\0\0\xc0\x7f", 4));
+    EXPECT_THAT(message(folder / "c.exr"), testing::HasSubstr("c.exr: channel Y of the texture holds NaN"));
+}
+
+TEST(FrameSceneBuilder, MeshesOfTheWaterAreFineEnoughForPictures) {
+    const auto cells = [](const scene::FrameState& state) {
+        return with_mesh_for_pictures(state).water->mesh_cells;
+    };
+    scene::FrameState state = with_picture("a.exr");
+    EXPECT_EQ(cells(state), 1024) << "256 for each 2 m";
+    state.lights[0].position.y = -2.1;
+    EXPECT_EQ(cells(state), 1024) << "powers of two";
+    state.lights[0].position.y = 0;
+    EXPECT_EQ(cells(state), 1449) << "2.1 million triangles";
+    state.lights[0].position.y = 2;
+    state.water->mesh_cells = 5;
+    EXPECT_EQ(cells(state), 5);
+    state.water->mesh_cells = 0;
+    state.water->surface.waves.waves.resize(1);
+    state.water->surface.waves.waves[0].amplitude = 0.01;
+    state.water->surface.waves.waves[0].length = 0.15;
+    EXPECT_EQ(cells(state), 0) << "25 cells for each 15 cm are finer";
+    state.water->surface.waves.waves[0].length = 1;
+    EXPECT_EQ(cells(state), 1024);
+    state.lights[0].texture.clear();
+    EXPECT_EQ(cells(state), 0);
 }
 
 }  // namespace
