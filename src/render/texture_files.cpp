@@ -21,7 +21,7 @@ std::shared_ptr<const image::Texture> TextureFiles::get(const std::string& path,
 
 std::shared_ptr<const image::Texture> TextureFiles::of_light(const scene::Light& light,
                                                              const scene::Output& output) {
-    const std::shared_ptr<const image::Texture> texture = get(light.texture, output);
+    std::shared_ptr<const image::Texture> texture = get(light.texture, output);
     if (!texture) return nullptr;
     const std::span<const float> rgb = texture->rgb();
     const auto found = std::ranges::find_if(rgb, [](float value) { return value < 0; });

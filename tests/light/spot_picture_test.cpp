@@ -105,7 +105,8 @@ glm::dvec3 brute_mean(const scene::Light& light, const SpotPicture& picture,
     glm::dvec3 sum(0);
     double weights = 0;
     for (int i = 0; i < 2 * n * n; ++i) {
-        double u = (i / 2 % n + 0.5) / n, v = (i / 2 / n + (i % 2 + 0.5) / 2) / n;
+        const int column = i / 2 % n, row = i / 2 / n;
+        const double u = (column + 0.5) / n, v = (row + (i % 2 + 0.5) / 2) / n;
         if (u + v > 1) continue;
         const glm::dvec3 way = ways[0] + u * (ways[1] - ways[0]) + v * (ways[2] - ways[0]);
         const double r = glm::length(way);
@@ -149,7 +150,8 @@ double light_in_cone(const scene::Light& light, const SpotPicture& picture) {
     double sum = 0;
     for (int i = 0; i < n * n; ++i) {
         // Equal solid angles.
-        const double cosine = 1 - (1 - outer) * (i / n + 0.5) / n;
+        const int ring = i / n;
+        const double cosine = 1 - (1 - outer) * (ring + 0.5) / n;
         const double angle = glm::two_pi<double>() * (i % n + 0.5) / n;
         const double sine = std::sqrt(1 - cosine * cosine);
         const glm::dvec3 way = frame * glm::dvec3(sine * std::cos(angle), sine * std::sin(angle), cosine);
