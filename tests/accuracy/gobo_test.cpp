@@ -25,6 +25,7 @@ scene::FrameState pool(bool waves) {
         for (scene::Wave& wave : state.water->surface.waves.waves) wave.amplitude = 0;
     state.water->absorption = {0.3, 0.1, 0.05};
     state.lights = {test::spot({0.3, 1.5, 0.2}, {0, 0, 0}, 22)};
+    state.lights[0].roll = 0.4;
     state.camera.projection = scene::Projection::orthographic;
     state.camera.position = {-0.1, -0.2, -0.05};
     state.camera.target = state.camera.position - glm::dvec3(0, 1, 0);
