@@ -317,6 +317,12 @@ Device::Device(const DeviceOptions& options) {
             s.physical, {.pNext = &features, .queueCreateInfoCount = 1, .pQueueCreateInfos = &queue});
         s.queue = vk::raii::Queue(s.device, s.queue_family, 0);
         s.nearest = vk::raii::Sampler(s.device, vk::SamplerCreateInfo{});
+        constexpr auto kClamp = vk::SamplerAddressMode::eClampToEdge;
+        s.linear = vk::raii::Sampler(s.device, vk::SamplerCreateInfo{.magFilter = vk::Filter::eLinear,
+                                                                     .minFilter = vk::Filter::eLinear,
+                                                                     .addressModeU = kClamp,
+                                                                     .addressModeV = kClamp,
+                                                                     .addressModeW = kClamp});
     });
 }
 
@@ -339,6 +345,9 @@ float Device::largest_point_size() const {
 }
 std::uint64_t Device::largest_storage_range() const {
     return state_->limits.maxStorageBufferRange;
+}
+int Device::largest_volume() const {
+    return static_cast<int>(state_->limits.maxImageDimension3D);
 }
 
 vk::raii::DeviceMemory Device::State::allocate(const vk::MemoryRequirements& requirements,

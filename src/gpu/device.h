@@ -40,6 +40,7 @@ public:
     bool validation_active() const;
     float largest_point_size() const;             ///< pixels
     std::uint64_t largest_storage_range() const;  ///< bytes of one storage-buffer binding
+    int largest_volume() const;                   ///< texels a side of 3-D images
 
     struct State;  // gpu/device_state.h, for gpu/*.cpp only
     State& state() const { return *state_; }

@@ -44,6 +44,7 @@ struct Device::State {
     vk::raii::Device device = nullptr;
     vk::raii::Queue queue = nullptr;
     vk::raii::Sampler nearest = nullptr;  // for texelFetch, which ignores its settings
+    vk::raii::Sampler linear = nullptr;   // of 3-D images
 
     /// Gives a Vulkan object the name that messages and capture tools show.
     template <class Handle>
@@ -89,6 +90,8 @@ struct Image::State {
     std::string name;
     int width = 0;
     int height = 0;
+    int depth = 1;
+    bool volume = false;  // 3-D
     Format format = Format::rgba32f;
     vk::ImageAspectFlags aspect;
     vk::raii::DeviceMemory memory = nullptr;

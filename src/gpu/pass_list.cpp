@@ -84,7 +84,8 @@ Pass copy_pass(std::string_view name, Kind kind, Image::State& image, Buffer::St
     pass.kind = kind;
     pass.images = {&image};
     pass.buffers = {&buffer};
-    const std::size_t pixels = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
+    const std::size_t pixels = static_cast<std::size_t>(image.width) *
+                               static_cast<std::size_t>(image.height) * static_cast<std::size_t>(image.depth);
     require(pixels * bytes_per_texel(image.format) <= buffer.bytes,
             "pass '" + pass.name + "': the buffer is smaller than the image");
     return pass;
@@ -93,7 +94,7 @@ Pass copy_pass(std::string_view name, Kind kind, Image::State& image, Buffer::St
 vk::BufferImageCopy whole_image(const Image::State& image) {
     return {.imageSubresource = {.aspectMask = image.aspect, .layerCount = 1},
             .imageExtent = {static_cast<std::uint32_t>(image.width), static_cast<std::uint32_t>(image.height),
-                            1}};
+                            static_cast<std::uint32_t>(image.depth)}};
 }
 
 vk::RenderingAttachmentInfo attachment(const Image::State& image, bool clear, const vk::ClearValue& value) {
@@ -175,10 +176,10 @@ void PassList::draw(std::string_view name, const RasterPipeline& pipeline, Bindi
     const auto add_target = [&](const Image& image, Format format, vk::PipelineStageFlags2 stages,
                                 vk::AccessFlags2 reads, vk::AccessFlags2 writes) {
         const Image& first = targets.colors.empty() ? *targets.depth : *targets.colors.front();
-        require(
-            image.format() == format && image.width() == first.width() && image.height() == first.height(),
-            "pass '" + pass.name + "': target '" + image.state().name +
-                "' has another format than the pipeline, or another size than the first");
+        require(image.format() == format && !image.state().volume && image.width() == first.width() &&
+                    image.height() == first.height(),
+                "pass '" + pass.name + "': target '" + image.state().name +
+                    "' has another format than the pipeline, or another size than the first");
         require(std::find(pass.images.begin(), pass.images.end(), &image.state()) == pass.images.end(),
                 "pass '" + pass.name + "' reads its own target '" + image.state().name + "'");
         pass.uses.push_back({&image.state(), stages, reads, writes});
@@ -249,7 +250,8 @@ vk::raii::DescriptorSet PassList::State::make_set(const vk::raii::DescriptorPool
     std::vector<vk::DescriptorImageInfo> images;
     images.reserve(pass.images.size());
     for (const Image::State* image : pass.images)
-        images.push_back({*device.nearest, *image->view, vk::ImageLayout::eGeneral});
+        images.push_back(
+            {image->volume ? *device.linear : *device.nearest, *image->view, vk::ImageLayout::eGeneral});
     std::vector<vk::WriteDescriptorSet> writes;
     writes.reserve(buffers.size() + images.size());
     for (const auto& buffer : buffers)

@@ -10,9 +10,10 @@
 namespace dapple::gpu {
 
 /// Bindings are set 0, numbered from 0: first `storage_buffers` storage buffers, then `sampled_images` images
-/// read by texelFetch (uniform sampler2D). Push constants are one block of `push_bytes` (at most 128), the
-/// same for all stages. Blocks are `layout(scalar)`. Vertex and fragment shaders declare their storage
-/// buffers `readonly`: writing from them is a feature that not every device has, and none is needed here.
+/// read by texelFetch (uniform sampler2D; 3-D images: sampler3D, filtered). Push constants are one block of
+/// `push_bytes` (at most 128), the same for all stages. Blocks are `layout(scalar)`. Vertex and fragment
+/// shaders declare their storage buffers `readonly`: writing from them is a feature that not every device
+/// has, and none is needed here.
 struct Interface {
     std::uint32_t storage_buffers = 0;
     std::uint32_t sampled_images = 0;

@@ -42,19 +42,28 @@ private:
     std::unique_ptr<State> state_;
 };
 
-enum class Format { rgba32f, rg32f, r32f, r32u, depth32f };
+enum class Format { rgba32f, rg32f, r32f, r16f, r32u, depth32f };
 
-/// A 2-D image that passes render into or read; copied to and from buffers by passes. New contents are
-/// undefined: clear at the first draw, or copy into it. Throws Error(device) for sizes that the device does
-/// not take.
+/// Texels along the axes of a 3-D image.
+struct Extent {
+    int width, height, depth;
+};
+
+/// A 2-D image that passes render into or read, or a 3-D image that they only read; copied to and from
+/// buffers by passes. New contents are undefined: clear at the first draw, or copy into it. Throws
+/// Error(device) for sizes that the device does not take.
 class Image {
 public:
     Image(Device& device, std::string_view name, int width, int height, Format format);
+    /// 3-D: shaders sample it with linear filtering (uniform sampler3D), beyond its faces as at them. r16f
+    /// only: not every device filters others.
+    Image(Device& device, std::string_view name, Extent size);
     ~Image();
     Image(Image&&) noexcept;
     Image& operator=(Image&&) noexcept;
     int width() const;
     int height() const;
+    int depth() const;  ///< 1: a 2-D image
     Format format() const;
 
     struct State;

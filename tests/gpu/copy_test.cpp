@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <glm/glm.hpp>
+#include <glm/gtc/packing.hpp>
 #include <numeric>
 #include <stdexcept>
 
@@ -8,6 +9,7 @@
 #include "gpu/pass_list.h"
 #include "gpu/validated_device.h"
 #include "spirv/test_texel_copy_comp.h"
+#include "spirv/test_volume_sample_comp.h"
 
 namespace dapple::gpu {
 namespace {
@@ -48,6 +50,41 @@ INSTANTIATE_TEST_SUITE_P(Formats, Copy,
                                            FormatCase{"r32u", Format::r32u, 1},
                                            FormatCase{"depth32f", Format::depth32f, 1}),
                          [](const auto& test) { return std::string(test.param.name); });
+
+TEST(Volumes, AreFilteredBetweenTexelsAndEvenBeyondTheirFaces) {
+    Device& device = test::validated_device();
+    const glm::ivec3 size(5, 4, 3);
+    const Image volume(device, "volume", {size.x, size.y, size.z});
+    EXPECT_EQ(volume.depth(), 3);
+    const auto value = [](glm::vec3 texel) { return texel.x + 8 * texel.y + 64 * texel.z; };
+    Buffer from(device, "from", 5 * 4 * 3 * sizeof(std::uint16_t));
+    std::size_t next = 0;
+    for (int z = 0; z < size.z; ++z)
+        for (int y = 0; y < size.y; ++y)
+            for (int x = 0; x < size.x; ++x)
+                from.as<std::uint16_t>()[next++] = glm::packHalf1x16(value({x, y, z}));
+    // Texels' centres are at + 0.5.
+    const std::vector<glm::vec3> points = {{0.5, 0.5, 0.5}, {4.5, 3.5, 2.5}, {2.25, 1.75, 1},
+                                           {3.1, 0.6, 2.4}, {-1, 2.5, 1.5},  {9, 9, 9}};
+    Buffer at(device, "points", points.size() * sizeof(glm::vec3)),
+        to(device, "to", points.size() * sizeof(float));
+    std::copy(points.begin(), points.end(), at.as<glm::vec3>().begin());
+    const ComputePipeline sample(device, "sample", test_volume_sample_comp,
+                                 {.storage_buffers = 2, .sampled_images = 1});
+    PassList passes(device);
+    FrameStats stats;
+    passes.copy("up", from, volume);
+    passes.compute("sample", sample, {.buffers = {&at, &to}, .images = {&volume}, .writes = {&to}},
+                   {1, 1, 1});
+    passes.run(stats);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const glm::vec3 texel = glm::clamp(points[i] - 0.5f, glm::vec3(0), glm::vec3(size - 1));
+        // Devices may round weights to 8 bits.
+        EXPECT_NEAR(to.as<float>()[i], value(texel), 73.0 / 512) << i;
+    }
+    EXPECT_THROW(Image(device, "flat", {4, 4, 0}), Error);
+    EXPECT_THROW(Image(device, "long", {device.largest_volume() + 1, 1, 1}), Error);
+}
 
 TEST(Images, ShadersFetchTexelsInRowsFromTheTop) {
     Device& device = test::validated_device();
