@@ -1,5 +1,6 @@
 // One of the fragment shaders of beams. LISTED: beams have listed triangles (else all areas keep their signs);
-// TABLE: the phase function is a table (else two lobes).
+// TABLE: the phase function is a table (else two lobes); BOUNDED: there are bounded media (phase functions are tables or
+// lobes, medium by medium).
 //
 // What one beam sends through one pixel: S, scattered once on the part of the camera's segment that lies in the
 // beam, and E, at the receiver. On every plane of constant depth a beam is the triangle of its three rays; along a
@@ -15,11 +16,13 @@
 
 layout(scalar, binding = 2) readonly buffer Turning { TurningArea turning[]; };
 layout(scalar, binding = 4) readonly buffer Frames { BeamFrame frame; };
-// Length of the primary segment [m], way to the receiver [m], 0: none; whether they are in the water.
-layout(binding = 5) uniform sampler2D pixels;
-layout(binding = 6) uniform sampler2D normals;  // of receivers, world space
-layout(binding = 7) uniform sampler2D faces;    // their geometric normals, and the objects that they are on
-layout(scalar, push_constant) uniform Push { BeamPush push; };
+#ifdef BOUNDED
+#define FIRST_IMAGE 9
+#endif
+#include "adaptive_beams/camera_ray.glsl"
+#ifdef BOUNDED
+#include "adaptive_beams/media.glsl"
+#endif
 layout(location = 0) out vec4 scattered;   // W/m^2/sr; and 1, which counts fragments
 layout(location = 1) out vec4 irradiance;  // W/m^2
 #include "adaptive_beams/phase.glsl"
@@ -102,7 +105,13 @@ vec3 lit(vec3 point, vec3 normal, vec4 face) {
     if (!one_sign(w) || below < -area_bias_1.w || point.z > last || facing <= 0.0 || dot(way, face.xyz) >= 0.0) return vec3(0.0);
     vec3 area, same, again;
     ring_areas(vec3(point.z), area, same, again);
-    return facing * density(share, area) * exp(-push.extinction * (max(below, 0.0) * length(light)));
+#ifdef BOUNDED
+    below = max(below, 0.0);
+    vec3 depth = light_depth(beam_index, share, point, light, below, below * length(light));
+#else
+    vec3 depth = push.extinction * (max(below, 0.0) * length(light));
+#endif
+    return facing * density(share, area) * exp(-depth);
 }
 
 // The beam along a camera ray: t is m from `base`.
@@ -111,6 +120,8 @@ struct Along {
     float depth, deeper;
     vec3 direction;
     float base;  // m from the camera's end of the segment
+    vec3 point;  // there
+    uint entry;  // of the pixel's columns
 };
 
 vec3 sides(Along ray, float t) { return vec3(at(ray.w0, t), at(ray.w1, t), at(ray.w2, t)); }
@@ -165,6 +176,7 @@ void cut(Along ray, float cap, inout float from, inout float to) {
     if (leaves && !enters) to = c;
 }
 
+#ifndef BOUNDED
 vec3 scattered_at(Along ray, float t, float depth, vec3 area) {
     vec3 share = barycentric(sides(ray, t));
     vec3 light = along_light(share);
@@ -174,14 +186,20 @@ vec3 scattered_at(Along ray, float t, float depth, vec3 area) {
     float p = phase(-dot(light, ray.direction) * inverse);
     return (p * stretch) * density(share, area) * exp(-push.extinction * way);
 }
+#endif
 
 // Nodes and weights of Gauss and Legendre's rule of degree five.
 const float kNode = 0.774596669;
 const float kOuter = 5.0 / 9.0;
 const float kInner = 8.0 / 9.0;
-// Panels of one piece for the change of densities, and in all.
+// Panels of one piece for the change of densities, for bounded media, and in all.
 const float kMostForDensity = 8.0;
+const float kMostForMedia = 24.0;
+#ifdef BOUNDED
+const int kMostPanels = 64;
+#else
 const int kMostPanels = 32;
+#endif
 // Optical depths beyond a piece's brighter end: what lies farther gives less than a millionth; and of the first panel.
 const float kDarkness = 16.0;
 const float kFirstDepth = 1.0;
@@ -192,6 +210,44 @@ float way_by(Along ray, float t) {
     float below = ray.depth + ray.deeper * t - dot(share, starts());
     return max(0.0, below) * length(along_light(share)) + ray.base + t;
 }
+
+#ifdef BOUNDED
+// Optical depth of light's way to a place on the camera ray.
+vec3 light_depth_at(Along ray, float t) {
+    vec3 share = barycentric(sides(ray, t));
+    vec3 light = along_light(share), point = ray.point + t * ray.direction;
+    float below = max(0.0, point.z - dot(share, starts()));
+    return light_depth(beam_index, share, point, light, below, below * length(light));
+}
+
+// What reaches a place along the beam, W/m^2, times its way a m of depth; and the cosine to the camera's way.
+vec3 arriving(Along ray, float t, out float cosine) {
+    vec3 share = barycentric(sides(ray, t)), light = along_light(share), area, same, again;
+    float stretch = length(light);
+    ring_areas(vec3(ray.depth + ray.deeper * t), area, same, again);
+    cosine = -dot(light, ray.direction) / stretch;
+    return stretch * density(share, area);
+}
+
+// m: of a panel from `place` on, so that it ends where a medium begins or ends, and is two voxels wide at most in one;
+// `wide`: m that it may have in any case.
+float within_media(Along ray, float place, float sense, float width, float wide) {
+    for (uint m = 0u; m < uint(media.length()); ++m) {
+        uint at = ray.entry + media[m].ray_first;
+        float inverse = ray_columns[at + 1u];
+        if (inverse == 0.0) continue;
+        float begin = ray_columns[at] - ray.base, end = begin + float(media[m].ray_places - 1u) / inverse;
+        float enters = sense * ((sense > 0.0 ? begin : end) - place),
+              leaves = sense * ((sense > 0.0 ? end : begin) - place);
+        float least = 1e-3 * width;
+        if (enters > least)
+            width = min(width, enters);
+        else if (leaves > least)
+            width = min(width, min(leaves, max(max(2.0 * media[m].step, 2.0 / inverse), wide)));
+    }
+    return width;
+}
+#endif
 
 vec3 integral(Along ray, float from, float to) {
     // From the end by which the way is the shorter, along which light is dimmed; mostly the camera's.
@@ -211,6 +267,54 @@ vec3 integral(Along ray, float from, float to) {
     // do, they are cut too.
     float width = kFirstDepth / max(most * steep, 1e-20);
     float widest = length_left / clamp(ceil(length_left * end_steepness.w * abs(ray.deeper)), 1.0, kMostForDensity);
+#ifdef BOUNDED
+    // A rule of two nodes for what reaches them, after Gauss, on the halves' own columns times their mean
+    // transmittances: a part of the ray scatters what its columns say, wherever within it they grow.
+    const float kTwoNodes = 0.211324865;
+    float dims = most * steep, at_near = 0.0;
+    vec3 sum = vec3(0.0), depth = push.extinction * (ray.base + near) + light_depth_at(ray, near);
+    for (uint m = 0u; m < uint(media.length()); ++m) {
+        dims += media[m].steepest;
+        depth += columns_along_ray(m, ray.entry, vec3(ray.base + near)).x * media[m].extinction;
+    }
+    vec3 left = exp(-depth);
+    width = kFirstDepth / max(dims, 1e-20);
+    float wide = length_left / kMostForMedia;
+    for (int panel = 0; panel < kMostPanels && at_near < length_left; ++panel) {
+        float place = near + sense * at_near, size = length_left - at_near;
+        if (panel + 1 < kMostPanels)
+            size = within_media(ray, place, sense, min(min(width, widest * 1.0001), size), wide);
+        float here = sense * size, one_cosine, other_cosine;
+        vec3 one = arriving(ray, place + kTwoNodes * here, one_cosine);
+        vec3 other = arriving(ray, place + (1.0 - kTwoNodes) * here, other_cosine);
+        vec3 t = ray.base + vec3(place, place + 0.5 * here, place + here);
+        vec3 middle_depth = push.extinction * t.y + light_depth_at(ray, place + 0.5 * here);
+        vec3 last_depth = push.extinction * t.z + light_depth_at(ray, place + here);
+        vec3 one_scatters = vec3(0.0), other_scatters = vec3(0.0);
+        if (push.scattering != vec3(0.0)) {
+            one_scatters = push.scattering * (0.5 * size * phase(one_cosine));
+            other_scatters = push.scattering * (0.5 * size * phase(other_cosine));
+        }
+        for (uint m = 0u; m < uint(media.length()); ++m) {
+            vec3 column = columns_along_ray(m, ray.entry, t), extinction = media[m].extinction;
+            middle_depth += column.y * extinction;
+            last_depth += column.z * extinction;
+            if (column.x != column.z) {
+                vec3 scattering = media[m].scattering;
+                one_scatters += scattering * (abs(column.y - column.x) * phase_of(one_cosine, m));
+                other_scatters += scattering * (abs(column.z - column.y) * phase_of(other_cosine, m));
+            }
+        }
+        vec3 middle_left = exp(-middle_depth), last_left = exp(-last_depth);
+        sum += one * one_scatters * mean_transmittance(depth, left, middle_depth, middle_left) +
+               other * other_scatters * mean_transmittance(middle_depth, middle_left, last_depth, last_left);
+        depth = last_depth;
+        left = last_left;
+        at_near += size;
+        width *= 2.0;
+    }
+    return sum;
+#else
     vec3 a, b, c;
     vec3 sum = vec3(0.0);
     float at_near = 0.0;
@@ -226,6 +330,7 @@ vec3 integral(Along ray, float from, float to) {
         width *= 2.0;
     }
     return sum * push.scattering;
+#endif
 }
 
 void order(inout float a, inout float b) {
@@ -238,7 +343,7 @@ uint piece_bit(Along ray, float from, float to, uint bit) {
     return from < to && one_sign(sides(ray, 0.5 * (from + to))) ? bit : 0u;
 }
 
-vec3 scatter(vec3 origin, vec3 direction, float segment) {
+vec3 scatter(vec3 origin, vec3 direction, float segment, uint entry) {
     vec2 p0 = place(ray_0, origin), p1 = place(ray_1, origin), p2 = place(ray_2, origin);
     vec2 d0 = ray_0.zw * direction.z - direction.xy, d1 = ray_1.zw * direction.z - direction.xy,
          d2 = ray_2.zw * direction.z - direction.xy;
@@ -255,6 +360,10 @@ vec3 scatter(vec3 origin, vec3 direction, float segment) {
     } else {
         to = origin.z < low || origin.z > high ? from : to;
     }
+#ifdef BOUNDED
+    clip_to_media(entry, from, to);
+    if (from >= to) return vec3(0.0);
+#endif
     // Edges are measured from a place near the beam, where few digits are lost; neighbours mostly take the same.
     vec2 p = (p0 + p1 + p2) / 3.0, d = (d0 + d1 + d2) / 3.0;
     float nearest = clamp(-dot(p, d) / max(dot(d, d), 1e-12), from, max(from, to));
@@ -271,6 +380,8 @@ vec3 scatter(vec3 origin, vec3 direction, float segment) {
     ray.deeper = direction.z;
     ray.direction = direction;
     ray.base = base;
+    ray.point = point;
+    ray.entry = entry;
     from -= base;
     to = max(from, to - base);
     // The pieces between places where edges are crossed.
@@ -310,15 +421,18 @@ vec3 scatter(vec3 origin, vec3 direction, float segment) {
 void main() {
     scattered = vec4(0.0, 0.0, 0.0, 1.0);
     irradiance = vec4(0.0);
-    ivec2 pixel = ivec2(gl_FragCoord.xy);
-    vec4 seen = texelFetch(pixels, pixel, 0);
-    seen.xy = seen.z == push.in_water ? seen.xy : vec2(0.0);
-    vec2 xy = vec2(pixel);
-    vec3 origin = push.origin + xy.x * push.origin_u + xy.y * push.origin_v;
-    vec3 direction = normalize(push.direction + xy.x * push.direction_u + xy.y * push.direction_v);
-    if (push.scattering != vec3(0.0)) scattered.xyz = scatter(origin, direction, seen.x);
-    if (seen.y > 0.0) {
-        vec3 normal = texelFetch(normals, pixel, 0).xyz;
-        irradiance.xyz = lit(origin + seen.y * direction, normal, texelFetch(faces, pixel, 0));
+    CameraRay ray = camera_ray();
+#ifdef BOUNDED
+    uint entry = uint(ray.pixel.y * textureSize(pixels, 0).x + ray.pixel.x) * ray_entry;
+    bool scatters = ray.segment > 0.0;
+#else
+    uint entry = 0u;
+    bool scatters = push.scattering != vec3(0.0);
+#endif
+    if (scatters) scattered.xyz = scatter(ray.origin, ray.direction, ray.segment, entry);
+    if (ray.receiver > 0.0) {
+        vec3 normal = texelFetch(normals, ray.pixel, 0).xyz;
+        irradiance.xyz =
+            lit(ray.origin + ray.receiver * ray.direction, normal, texelFetch(faces, ray.pixel, 0));
     }
 }

@@ -11,3 +11,6 @@ layout(location = 7) flat WAY vec4 flux_start_1;
 layout(location = 8) flat WAY vec4 flux_start_2;
 layout(location = 9) flat WAY vec4 end_steepness;
 layout(location = 10) flat WAY ivec3 listed_ends_on;
+#ifdef BOUNDED
+layout(location = 11) flat WAY int beam_index;
+#endif

@@ -1,16 +1,20 @@
 // One of the fragment shaders of beams as in the paper (Liktor and Dachsbacher 2011, section 5): one area function a
 // beam; the part of the camera ray in the beam from a scan plane; its middle as the only sample; the surface term as a
-// test of the receiver's point. TABLE: the phase function is a table (else two lobes).
+// test of the receiver's point. TABLE: the phase function is a table (else two lobes); BOUNDED: there are bounded
+// media.
 #extension GL_EXT_scalar_block_layout : require
 #define WAY in
 #include "adaptive_beams/paper_varyings.glsl"
 #include "layout/beam_volume.h"
 
 layout(scalar, binding = 4) readonly buffer Frames { BeamFrame frame; };
-// Length of the primary segment [m], way to the receiver [m], 0: none; whether they are in the water.
-layout(binding = 5) uniform sampler2D pixels;
-layout(binding = 6) uniform sampler2D normals;  // of receivers, world space
-layout(scalar, push_constant) uniform Push { BeamPush push; };
+#ifdef BOUNDED
+#define FIRST_IMAGE 9
+#endif
+#include "adaptive_beams/camera_ray.glsl"
+#ifdef BOUNDED
+#include "adaptive_beams/media.glsl"
+#endif
 layout(location = 0) out vec4 scattered;   // W/m^2/sr; and 1, which counts fragments
 layout(location = 1) out vec4 irradiance;  // W/m^2
 #include "adaptive_beams/phase.glsl"
@@ -32,6 +36,14 @@ vec3 coordinates(vec3 point, float y) {
 
 vec3 along_light(vec3 share) { return share.x * along_bias_0.xyz + share.y * along_1 + share.z * along_2; }
 
+// m of depth after the last surface.
+float below(vec3 point, vec3 share) {
+    return max(0.0, point.z - dot(share, vec3(base_end_0.z, base_end_1.z, base_end_2.z)));
+}
+
+// m a m of depth, from m a m of y.
+vec3 per_depth(vec3 light) { return light / max(light.z, 1e-6); }
+
 float height(vec3 point) { return dot(beam_normal, point - base_end_0.xyz); }
 
 vec3 lit(vec3 point, vec3 normal) {
@@ -42,7 +54,12 @@ vec3 lit(vec3 point, vec3 normal) {
     float end = dot(share, vec3(base_end_0.w, base_end_1.w, base_end_2.w));
     bool inside = all(greaterThanEqual(share, vec3(0.0))) && y > -along_bias_0.w && y < end + along_bias_0.w;
     if (!inside || facing <= 0.0) return vec3(0.0);
-    return facing * density(y) * exp(-push.extinction * (max(y, 0.0) * length(light)));
+#ifdef BOUNDED
+    vec3 depth = light_depth(beam_index, share, point, per_depth(light), below(point, share), max(y, 0.0) * length(light));
+#else
+    vec3 depth = push.extinction * (max(y, 0.0) * length(light));
+#endif
+    return facing * density(y) * exp(-depth);
 }
 
 // Where a side of the scan triangle crosses the ray: widens [from, to].
@@ -60,7 +77,7 @@ vec2 scanned(vec3 base, vec3 along, vec3 scan, vec3 origin, vec3 direction, vec3
     return vec2(dot(from_origin, direction), dot(from_origin, beside));
 }
 
-vec3 scatter(vec3 origin, vec3 direction, float segment) {
+vec3 scatter(vec3 origin, vec3 direction, float segment, uint entry) {
     vec3 scan = cross(direction, cross(direction, beam_normal));
     vec3 beside = cross(scan, direction);
     vec2 p0 = scanned(base_end_0.xyz, along_bias_0.xyz, scan, origin, direction, beside),
@@ -91,20 +108,37 @@ vec3 scatter(vec3 origin, vec3 direction, float segment) {
     bool ended = y > dot(share, vec3(base_end_0.w, base_end_1.w, base_end_2.w)) + along_bias_0.w;
     // Not where the ray runs along the triangle's normal: there is no scan plane. The comparison drops NaN too.
     if (!(thickness > 0.0 && thickness < 1e6) || !(segment > 0.0) || ended) return vec3(0.0);
-    float p = phase(-dot(light, direction) / stretch);
-    return push.scattering * density(y) * exp(-push.extinction * (max(y, 0.0) * stretch + t)) *
-           (soft * thickness * stretch * p);
+    float cosine = -dot(light, direction) / stretch, way = max(y, 0.0) * stretch;
+#ifdef BOUNDED
+    vec3 sum = push.scattering * (soft * thickness * phase(cosine));
+    vec3 depth = push.extinction * t;
+    for (uint m = 0u; m < uint(media.length()); ++m) {
+        // Bounded ones end where the segment does.
+        vec3 column = columns_along_ray(m, entry, vec3(from, t, from + thickness));
+        sum += media[m].scattering * ((column.z - column.x) * phase_of(cosine, m));
+        depth += column.y * media[m].extinction;
+    }
+    share /= share.x + share.y + share.z;
+    depth += light_depth(beam_index, share, point, per_depth(light), below(point, share), way);
+    return sum * density(y) * exp(-depth) * stretch;
+#else
+    return push.scattering * density(y) * exp(-push.extinction * (way + t)) *
+           (soft * thickness * stretch * phase(cosine));
+#endif
 }
 
 void main() {
-    ivec2 pixel = ivec2(gl_FragCoord.xy);
-    vec4 seen = texelFetch(pixels, pixel, 0);
-    seen.xy = seen.z == push.in_water ? seen.xy : vec2(0.0);
-    vec2 xy = vec2(pixel);
-    vec3 origin = push.origin + xy.x * push.origin_u + xy.y * push.origin_v;
-    vec3 direction = normalize(push.direction + xy.x * push.direction_u + xy.y * push.direction_v);
     scattered = vec4(0.0, 0.0, 0.0, 1.0);
-    if (push.scattering != vec3(0.0)) scattered.xyz = scatter(origin, direction, seen.x);
     irradiance = vec4(0.0);
-    if (seen.y > 0.0) irradiance.xyz = lit(origin + seen.y * direction, texelFetch(normals, pixel, 0).xyz);
+    CameraRay ray = camera_ray();
+#ifdef BOUNDED
+    uint entry = uint(ray.pixel.y * textureSize(pixels, 0).x + ray.pixel.x) * ray_entry;
+    bool scatters = ray.segment > 0.0;
+#else
+    uint entry = 0u;
+    bool scatters = push.scattering != vec3(0.0);
+#endif
+    if (scatters) scattered.xyz = scatter(ray.origin, ray.direction, ray.segment, entry);
+    if (ray.receiver > 0.0)
+        irradiance.xyz = lit(ray.origin + ray.receiver * ray.direction, texelFetch(normals, ray.pixel, 0).xyz);
 }

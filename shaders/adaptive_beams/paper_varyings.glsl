@@ -8,3 +8,6 @@ layout(location = 5) flat WAY vec3 along_2;
 layout(location = 6) flat WAY vec3 beam_normal;
 layout(location = 7) flat WAY vec3 area;
 layout(location = 8) flat WAY vec3 flux;
+#ifdef BOUNDED
+layout(location = 9) flat WAY int beam_index;
+#endif

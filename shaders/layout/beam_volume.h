@@ -5,6 +5,8 @@
 #include "layout/types.h"
 LAYOUT_BEGIN
 
+const uint kPhaseValues = 2048u;  // of a tabulated phase function
+
 // What a fragment knows of its beam; corners k in 0, 1, 2. Areas A are those that a corner's ring of
 // triangles has on the planes of constant depth: |area.x + area.y u + area.z u^2| [m^2] with
 // u = depth - middle, and on top of it those of the triangles listed for the beam, whose sign changes.
@@ -36,9 +38,9 @@ struct BeamPush {
     vec3 direction, direction_u, direction_v;  //
     vec3 extinction;                           // 1/m a channel
     vec3 scattering;                           // 1/m a channel
-    vec3 phase;                                // of two_lobe_phase, in its order
-    float in_water;                            // 1 or 0
-    vec2 shift;                                // pixels, from the sample to the pixel's centre
+    vec3 phase;      // of two_lobe_phase, in its order; the last one negative: a table
+    float in_water;  // 1 or 0
+    vec2 shift;      // pixels, from the sample to the pixel's centre
 };
 
 // Axes of mesh space in the world.

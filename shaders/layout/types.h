@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 namespace dapple::layout {
+using glm::ivec3;
 using glm::mat4;
 using glm::vec2;
 using glm::vec3;

@@ -27,16 +27,22 @@ public:
                        std::vector<Piece>& pieces) const;
     double density(const glm::dvec3& position) const;
 
+    /// Where it lies: local = turn * position + shift is -1 to 1 in a box, the index of a grid.
+    struct Place {
+        glm::dmat3 turn;
+        glm::dvec3 shift;
+        glm::dvec3 low, high;  ///< of the box that holds it, local
+        double density;        ///< of a box; factor of a grid's
+    };
+    const Place& place() const { return place_; }
+
     /// Of the box, m relative to FrameScene::origin.
     double least_y() const { return least_y_; }
 
 private:
     Line local(const glm::dvec3& origin, const glm::dvec3& direction) const;
 
-    glm::dmat3 turn_;  ///< local = turn * position + shift; local is -1 to 1 in a box, the index of a grid
-    glm::dvec3 shift_;
-    glm::dvec3 low_, high_;  ///< of the box, local
-    double density_;         ///< of a box; factor of a grid's
+    Place place_;
     double least_y_;
     std::optional<GridWalk> grid_;
 };

@@ -4,19 +4,10 @@
 #include <cmath>
 #include <limits>
 
-#include "media/body.h"
 #include "media/phase.h"
 
 namespace dapple::media {
 namespace {
-
-/// One of the scene's media, not empty.
-struct Part {
-    std::size_t component;
-    bool in_air, in_water;  ///< the sides that it may lie on
-    Body body;
-    bool on(bool water) const { return water ? in_water : in_air; }
-};
 
 /// No water is above that, m relative to the frame's origin.
 double highest_water(const scene::FrameScene& scene) {
@@ -92,6 +83,9 @@ Media::~Media() = default;
 
 const std::vector<Component>& Media::components() const {
     return state_->components;
+}
+const std::vector<Part>& Media::parts() const {
+    return state_->parts;
 }
 bool Media::bounded(bool in_water) const {
     return state_->bounded[in_water];

@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "media/body.h"
 #include "scene/frame_scene.h"
 
 namespace dapple::media {
@@ -26,6 +27,14 @@ struct Component {
     const scene::PhaseFunction* phase = nullptr;
 };
 
+/// A bounded medium that is not empty.
+struct Part {
+    std::size_t component;  ///< into Media::components()
+    bool in_air, in_water;  ///< the sides that it may lie on
+    Body body;
+    bool on(bool water) const { return water ? in_water : in_air; }
+};
+
 /// The media of a frame. Component 0 is the water itself (density 1 in the water, 0 in the air; also where
 /// the scene has no water), then FrameState::media in their order. Positions are m relative to
 /// FrameScene::origin, directions unit. Which side of the water a segment is on is the caller's to say: a
@@ -36,6 +45,7 @@ public:
     ~Media();
 
     const std::vector<Component>& components() const;
+    const std::vector<Part>& parts() const;  ///< in the order of their components
     /// Whether a bounded medium that is not empty may lie on that side of the water.
     bool bounded(bool in_water) const;
     /// Whether anything on that side scatters light.

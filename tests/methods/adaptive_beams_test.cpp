@@ -9,78 +9,14 @@
 
 #include "closed_form/flat_scene.h"
 #include "gpu/validated_device.h"
-#include "methods/adaptive_scene.h"
+#include "methods/adaptive_frame.h"
 #include "render/segment_lattice.h"
 #include "view/camera_paths.h"
 
 namespace dapple {
 namespace {
 
-constexpr double kIndex = 1.333;
-
-/// A pool under flat water with few, wide beams; seen from within.
-scene::FrameScene pool(double elevation) {
-    scene::FrameScene scene;
-    test::add_water(scene, 0, 8);
-    scene.state.water->refractive_index = kIndex;
-    scene.state.lights = {test::sun_at(elevation)};
-    scene.state.caustics.adaptive_beams.grid = 8;
-    scene.state.caustics.adaptive_beams.levels = 0;
-    scene.state.clip.width = 40;
-    scene.state.clip.height = 30;
-    scene.state.clip.samples = 1;
-    scene.state.camera.position = {0.1, -0.2, 0.3};
-    scene.state.camera.target = {0, -1, -0.2};
-    scene.state.camera.field_of_view = 30 * scene::kDegree;
-    scene.state.objects = {test::floor_at(-1, 100)};
-    scene.object_meshes.resize(scene.state.objects.size());
-    return scene;
-}
-
-/// One frame with the method, which it outlives.
-struct Frame {
-    explicit Frame(const scene::FrameScene& s)
-        : scene(s), rays(scene), context{scene, rays, test::validated_device(), stats, {}} {
-        context.chains = {{0, light::Event::transmission}};
-        method.begin(context);
-    }
-
-    view::ReceiverLayer receivers(int sample, view::SegmentLayer& segments) const {
-        view::LayerCounts counts;
-        view::LayerRequest request;
-        request.sample = sample;
-        return view::trace_layer(scene, rays, request, counts, &segments);
-    }
-    methods::LayerResult irradiance(const view::ReceiverLayer& layer) {
-        std::vector<methods::LayerResult> results(1);
-        results[0].irradiance.assign(layer.pixels(), glm::vec3(0));
-        results[0].covered.assign(layer.pixels(), 0);
-        method.irradiance(context, {&layer, 1}, results);
-        return results[0];
-    }
-    std::vector<glm::vec3> in_scatter(const view::SegmentLayer& layer) {
-        std::vector<glm::vec3> radiance(layer.segments(), glm::vec3(0));
-        method.in_scatter(context, layer, radiance);
-        return radiance;
-    }
-
-    const scene::FrameScene& scene;
-    rays::RayScene rays;
-    FrameStats stats;
-    methods::FrameContext context;
-    methods::AdaptiveBeams method;
-};
-
-/// W/m^2 across the light in the water, where nothing dims it.
-double across(double elevation) {
-    const double cos_t = std::cos(std::asin(std::cos(elevation * scene::kDegree) / kIndex));
-    return test::flat_floor(90 - elevation, 1, kIndex).irradiance / cos_t;
-}
-
-glm::dvec3 direction_in_water(double elevation) {
-    const double sine = std::cos(elevation * scene::kDegree) / kIndex;
-    return {-sine, -std::sqrt(1 - sine * sine), 0};
-}
+using namespace test::adaptive_frame;
 
 TEST(AdaptiveBeamsClass, HasTheClosedFormInEverySample) {
     scene::FrameScene scene = pool(50);
@@ -173,12 +109,9 @@ TEST(AdaptiveBeamsClass, SaysWhatItLeavesOutAndWhatItNeeds) {
     scene::FrameState state = pool(50).state;
     state.water->scattering = glm::dvec3(0.1);
     const methods::AdaptiveBeams method;
-    EXPECT_EQ(method.supports_surface(state).reason.find("bounded media"), std::string::npos);
-    EXPECT_EQ(method.supports_volume(state).reason.find("bounded media"), std::string::npos);
-    EXPECT_FALSE(method.supports_volume(state).in_air);
-    state.media.emplace_back();
-    EXPECT_NE(method.supports_surface(state).reason.find("bounded media"), std::string::npos);
-    EXPECT_NE(method.supports_volume(state).reason.find("bounded media"), std::string::npos);
+    EXPECT_EQ(method.supports_surface(state).degree, methods::Support::Degree::partly);
+    EXPECT_EQ(method.supports_volume(state).degree, methods::Support::Degree::partly);
+    EXPECT_TRUE(method.supports_volume(state).in_air && method.supports_volume(state).in_water);
     // At least the texels of a view, and twice as many beams for twice the bodies.
     const std::size_t water = method.bytes(state, 0);
     EXPECT_GT(water, 4u * 8 * 8 * 48);

@@ -43,24 +43,16 @@ struct AdaptiveBeams::State {
 AdaptiveBeams::AdaptiveBeams() : state_(std::make_unique<State>()) {}
 AdaptiveBeams::~AdaptiveBeams() = default;
 
-Support AdaptiveBeams::supports_surface(const scene::FrameState& state) const {
-    std::string reason =
+Support AdaptiveBeams::supports_surface(const scene::FrameState&) const {
+    return {
+        Support::Degree::partly,
         "E at the sample's point, of receivers that the camera sees neither through nor by water, mirrors or "
-        "glass";
-    if (!state.media.empty()) reason += "; bounded media do not dim light after its last specular surface";
-    return {Support::Degree::partly, reason};
+        "glass"};
 }
 
-Support AdaptiveBeams::supports_volume(const scene::FrameState& state) const {
-    if (!state.water || state.water->scattering == glm::dvec3(0))
-        return {Support::Degree::no, "of media it knows the water itself, which does not scatter here"};
-    std::string reason = "where the camera looks through neither water's surface, mirrors nor glass";
-    if (!state.media.empty()) {
-        reason =
-            "of the water itself, where the camera looks through neither its surface, mirrors nor glass; "
-            "bounded media neither scatter its light nor dim it after its last specular surface";
-    }
-    return {.degree = Support::Degree::partly, .reason = reason, .in_air = false};
+Support AdaptiveBeams::supports_volume(const scene::FrameState&) const {
+    return {Support::Degree::partly,
+            "where the camera looks through neither water's surface, mirrors nor glass"};
 }
 
 std::size_t AdaptiveBeams::bytes(const scene::FrameState& state, std::size_t pixels) const {
@@ -70,6 +62,10 @@ std::size_t AdaptiveBeams::bytes(const scene::FrameState& state, std::size_t pix
     // on. Of one view at a time there are its texels and its rays with their paths.
     constexpr double a_pixel = 8 * sizeof(glm::vec4) + 6 * sizeof(glm::vec3);
     constexpr double a_beam = 520, a_ray = 1200;
+    // Bounded media: columns of the rows that are drawn at a time, and of the beams' rays (one for two
+    // beams).
+    const double media = static_cast<double>(state.media.size());
+    const double columns = media > 0 ? 0x1p27 : 0, a_column = 0.5 * media * sizeof(float) * 66;
     const scene::AdaptiveBeamsParameters& parameters = state.caustics.adaptive_beams;
     const double side = static_cast<double>(parameters.grid) * static_cast<double>(1 << parameters.levels);
     double bodies = state.water ? 1 : 0, views = 0;
@@ -80,8 +76,9 @@ std::size_t AdaptiveBeams::bytes(const scene::FrameState& state, std::size_t pix
     const double colors = state.water && state.water->dispersion != 0 ? 3 : 1;
     const double texels = 48 * std::min(4 * side * side, 2048.0 * 2048);
     const double beams = bodies * views * 2 * colors * legs * 2 * side * side;
-    return static_cast<std::size_t>(std::min(
-        0x1p61, a_pixel * static_cast<double>(pixels) + texels + 2 * a_ray * side * side + beams * a_beam));
+    return static_cast<std::size_t>(std::min(0x1p61, a_pixel * static_cast<double>(pixels) + texels +
+                                                         2 * a_ray * side * side +
+                                                         beams * (a_beam + a_column) + columns));
 }
 
 void AdaptiveBeams::begin(FrameContext& context) {

@@ -9,14 +9,20 @@
 #include "layout/beam_volume.h"
 #include "layout/paper_beam.h"
 #include "media/phase.h"
+#include "methods/adaptive_beams/bounded_beams.h"
 #include "methods/adaptive_beams/drawn_beams.h"
 #include "methods/adaptive_beams/paper_beams.h"
 #include "spirv/adaptive_beams_beam_lobes_frag.h"
 #include "spirv/adaptive_beams_beam_lobes_listed_frag.h"
+#include "spirv/adaptive_beams_beam_media_frag.h"
+#include "spirv/adaptive_beams_beam_media_listed_frag.h"
+#include "spirv/adaptive_beams_beam_media_vert.h"
 #include "spirv/adaptive_beams_beam_table_frag.h"
 #include "spirv/adaptive_beams_beam_table_listed_frag.h"
 #include "spirv/adaptive_beams_beam_vert.h"
 #include "spirv/adaptive_beams_paper_lobes_frag.h"
+#include "spirv/adaptive_beams_paper_media_frag.h"
+#include "spirv/adaptive_beams_paper_media_vert.h"
 #include "spirv/adaptive_beams_paper_table_frag.h"
 #include "spirv/adaptive_beams_paper_vert.h"
 #include "view/camera.h"
@@ -33,11 +39,15 @@ static_assert(sizeof(BeamPush) == 120);
 static_assert(sizeof(BeamFrame) == 36);
 
 constexpr std::size_t kTile = 1 << 14;
-constexpr std::size_t kPhaseValues = 2048;
 constexpr std::size_t kIndicesABeam = 24;
 
-gpu::RasterDescription description() {
-    return {.interface = {.storage_buffers = 5, .sampled_images = 3, .push_bytes = sizeof(BeamPush)},
+/// Bytes of the columns of a part of the picture, at most.
+constexpr std::uint64_t kColumnBytes = std::uint64_t{64} << 20;
+
+gpu::RasterDescription description(bool bounded = false) {
+    return {.interface = {.storage_buffers = bounded ? 9u : 5u,
+                          .sampled_images = 3,
+                          .push_bytes = sizeof(BeamPush)},
             .blend = gpu::Blend::add,
             .cull = gpu::Cull::front,
             .color_formats = {gpu::Format::rgba32f, gpu::Format::rgba32f}};
@@ -56,19 +66,21 @@ gpu::Buffer filled_buffer(gpu::Device& device, std::string_view name, const std:
 struct SetOnDevice {
     const BeamSet& set;
     gpu::Buffer beams, corners, turning, plain, listed, frame;
+    const BoundedSet* bounded;           ///< null: there are no bounded media on its side of the water
+    std::optional<gpu::Buffer> entries;  ///< of its beams' rays in bounded->light_columns
 };
 
-bool is_lobes(scene::PhaseType type) {
-    return type == scene::PhaseType::isotropic || type == scene::PhaseType::henyey_greenstein ||
-           type == scene::PhaseType::two_lobe;
-}
-
-/// Mean cosines of two lobes and the first one's share; for other functions nothing of use.
-glm::vec3 lobes(const scene::PhaseFunction& phase) {
-    if (phase.type == scene::PhaseType::isotropic) return {0, 0, 1};
-    if (phase.type == scene::PhaseType::henyey_greenstein) return glm::dvec3(phase.anisotropy, 0, 1);
-    return glm::dvec3(phase.anisotropy, phase.back_anisotropy, phase.forward_share);
-}
+/// Pipelines for beams among bounded media.
+struct BoundedPipelines {
+    explicit BoundedPipelines(gpu::Device& d)
+        : plain(d, "beams in media", adaptive_beams_beam_media_vert, adaptive_beams_beam_media_frag,
+                description(true)),
+          listed(d, "beams with turning areas in media", adaptive_beams_beam_media_vert,
+                 adaptive_beams_beam_media_listed_frag, description(true)),
+          paper(d, "beams of the paper in media", adaptive_beams_paper_media_vert,
+                adaptive_beams_paper_media_frag, description(true)) {}
+    gpu::RasterPipeline plain, listed, paper;
+};
 
 }  // namespace
 
@@ -88,10 +100,14 @@ struct BeamRenderer::State {
                 {d, "beams of the paper, tabulated phase", adaptive_beams_paper_vert,
                  adaptive_beams_paper_table_frag, description()}} {}
 
-    BeamPush push(const BeamSet& set, glm::dvec2 offset) const;
+    /// Of the rows of a picture from `first_row` on.
+    BeamPush push(const BeamSet& set, glm::dvec2 offset, int first_row) const;
     void write_pixels(const view::SegmentLayer* segments, const view::ReceiverLayer* receivers,
-                      std::span<glm::vec4> pixels, std::span<glm::vec4> normals,
+                      std::size_t first, std::span<glm::vec4> pixels, std::span<glm::vec4> normals,
                       std::span<glm::vec4> faces) const;
+    const gpu::RasterPipeline& pipeline(const SetOnDevice& set, bool listed) const;
+    void render_rows(const view::SegmentLayer* segments, const view::ReceiverLayer* receivers, int first_row,
+                     int rows, BeamSums& sums, FrameStats& stats);
 
     gpu::Device& device;
     std::uint64_t largest_buffer = 0;
@@ -101,7 +117,11 @@ struct BeamRenderer::State {
     const scene::FrameScene* scene = nullptr;
     std::optional<view::Camera> camera;
     std::vector<SetOnDevice> sets;
-    std::optional<gpu::Buffer> phase_table;
+    std::optional<PhaseTables> phases;
+    std::optional<media::Media> media;
+    bool has_bounded = false;  ///< the scene has bounded media
+    std::optional<BoundedBeams> bounded;
+    std::optional<BoundedPipelines> bounded_pipelines;
 };
 
 BeamRenderer::BeamRenderer(gpu::Device& device, std::uint64_t largest_buffer)
@@ -110,14 +130,27 @@ BeamRenderer::~BeamRenderer() = default;
 
 void BeamRenderer::begin(const scene::FrameScene& scene, std::span<const BeamSet> sets, VolumeKind volumes,
                          Shading shading, FrameStats& stats) {
-    const ScopedPass pass(stats, "beam volumes");
     State& s = *state_;
     s.scene = &scene;
     s.shading = shading;
     s.camera.emplace(scene.state.camera, scene.state.clip.width, scene.state.clip.height);
     s.sets.clear();
+    s.media.emplace(scene);
+    s.phases.emplace(s.device, *s.media);
+    s.has_bounded = s.media->bounded(false) || s.media->bounded(true);
+    if (s.has_bounded) {
+        if (!s.bounded) s.bounded.emplace(s.device, s.largest_buffer);
+        if (!s.bounded_pipelines) s.bounded_pipelines.emplace(s.device);
+        s.bounded->begin(scene, *s.media, *s.phases, stats);
+    }
+    std::vector<const BoundedSet*> bounded;
+    for (const BeamSet& set : sets)
+        bounded.push_back(
+            !set.triangles.empty() && s.media->bounded(set.in_water) ? &s.bounded->add(set, stats) : nullptr);
+    const ScopedPass pass(stats, "beam volumes");
     std::size_t beams = 0, prisms = 0, turning = 0, lost = 0;
-    for (const BeamSet& set : sets) {
+    for (std::size_t i = 0; i < sets.size(); ++i) {
+        const BeamSet& set = sets[i];
         if (set.triangles.empty()) continue;
         DrawnBeams drawn = drawn_beams(set, *s.camera, scene.origin, volumes);
         beams += drawn.beams.size();
@@ -125,6 +158,7 @@ void BeamRenderer::begin(const scene::FrameScene& scene, std::span<const BeamSet
         turning += drawn.beams.size() - drawn.plain;
         const PaperBeams in_paper = shading == Shading::paper ? paper_beams(set) : PaperBeams{};
         lost += in_paper.lost;
+        std::size_t first_beam = 0;
         const glm::mat3 axes(set.world_from_mesh);
         auto in_paper_part = in_paper.beams.begin();
         for (const DrawnBeams& part : parts_of(std::move(drawn), s.largest_buffer)) {
@@ -145,27 +179,22 @@ void BeamRenderer::begin(const scene::FrameScene& scene, std::span<const BeamSet
                  filled_buffer(s.device, "faces of beams",
                                std::vector<std::uint32_t>(split, part.indices.end())),
                  filled_buffer(s.device, "axes of beams",
-                               std::vector<BeamFrame>{{axes[0], axes[1], axes[2]}})});
+                               std::vector<BeamFrame>{{axes[0], axes[1], axes[2]}}),
+                 bounded[i],
+                 bounded[i]
+                     ? std::optional(bounded[i]->entries_of(s.device, set, first_beam, part.beams.size()))
+                     : std::nullopt});
             in_paper_part = next;
+            first_beam += part.beams.size();
         }
     }
-    std::vector<float> table(1, 0.0f);
-    if (scene.state.water && !is_lobes(scene.state.water->phase.type)) {
-        const media::Phase phase(scene.state.water->phase);
-        table.resize(kPhaseValues);
-        for (std::size_t i = 0; i < kPhaseValues; ++i) {
-            const double place = static_cast<double>(i) / static_cast<double>(kPhaseValues - 1);
-            table[i] = static_cast<float>(phase.at(1 - 2 * place * place * place * place));
-        }
-    }
-    s.phase_table.emplace(filled_buffer(s.device, "phase function", table));
     stats.count("beams drawn", static_cast<double>(beams));
     stats.count("beams in a prism", static_cast<double>(prisms));
     if (lost > 0) stats.count("beams lost to grazing triangles", static_cast<double>(lost));
     stats.count("beams with turning areas", static_cast<double>(turning));
 }
 
-BeamPush BeamRenderer::State::push(const BeamSet& set, glm::dvec2 offset) const {
+BeamPush BeamRenderer::State::push(const BeamSet& set, glm::dvec2 offset, int first_row) const {
     BeamPush push{};
     // A camera's rays are affine in the pixel: from four of them.
     const glm::dmat3 mesh_from_world = glm::transpose(set.world_from_mesh);
@@ -177,6 +206,7 @@ BeamPush BeamRenderer::State::push(const BeamSet& set, glm::dvec2 offset) const 
     };
     const double width = scene->state.clip.width, height = scene->state.clip.height;
     glm::dvec3 origin, origin_x, origin_y, direction, direction_x, direction_y;
+    offset.y += first_row;
     ray(offset, origin, direction);
     ray(offset + glm::dvec2(width, 0), origin_x, direction_x);
     ray(offset + glm::dvec2(0, height), origin_y, direction_y);
@@ -187,45 +217,56 @@ BeamPush BeamRenderer::State::push(const BeamSet& set, glm::dvec2 offset) const 
     push.direction_u = (direction_x - direction) / width;
     push.direction_v = (direction_y - direction) / height;
     push.in_water = set.in_water ? 1.0f : 0.0f;
-    push.shift = 0.5 - offset;
+    push.shift = 0.5 - offset;  // of the rows' own first one
     if (set.in_water && scene->state.water) {
         const scene::Water& water = *scene->state.water;
         push.extinction = water.extinction();
         push.scattering = water.scattering;
-        push.phase = lobes(water.phase);
+        push.phase = lobes_of(water.phase);
     }
     return push;
 }
 
 void BeamRenderer::State::write_pixels(const view::SegmentLayer* segments,
-                                       const view::ReceiverLayer* receivers, std::span<glm::vec4> pixels,
-                                       std::span<glm::vec4> normals, std::span<glm::vec4> faces) const {
+                                       const view::ReceiverLayer* receivers, std::size_t first,
+                                       std::span<glm::vec4> pixels, std::span<glm::vec4> normals,
+                                       std::span<glm::vec4> faces) const {
     parallel_for(pixels.size(), kTile, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
+            const std::size_t at = first + i;
             pixels[i] = normals[i] = faces[i] = glm::vec4(0);
             if (segments) {
-                for (std::uint32_t k = segments->first[i]; k < segments->first[i + 1]; ++k) {
+                for (std::uint32_t k = segments->first[at]; k < segments->first[at + 1]; ++k) {
                     if (!segments->primary[k]) continue;
                     pixels[i].x = segments->length[k];
                     pixels[i].z = segments->in_water[k] != 0 ? 1.0f : 0.0f;
                     break;
                 }
             }
-            if (receivers && seen_directly(receivers->flags[i])) {
+            if (receivers && seen_directly(receivers->flags[at])) {
                 const int sample = receivers->sample;
-                const glm::dvec2 pixel(i % static_cast<std::size_t>(receivers->width),
-                                       i / static_cast<std::size_t>(receivers->width));
+                const glm::dvec2 pixel(at % static_cast<std::size_t>(receivers->width),
+                                       at / static_cast<std::size_t>(receivers->width));
                 glm::dvec3 origin, direction;
                 camera->ray(pixel + view::Camera::sample_offset(sample, scene->state.clip.samples), origin,
                             direction);
-                const glm::dvec3 position = glm::dvec3(receivers->position[i]) + scene->origin;
+                const glm::dvec3 position = glm::dvec3(receivers->position[at]) + scene->origin;
                 pixels[i].y = static_cast<float>(glm::dot(position - origin, direction));
-                pixels[i].z = (receivers->flags[i] & view::kInWater) != 0 ? 1.0f : 0.0f;
-                normals[i] = glm::vec4(receivers->shading_normal[i], 0);
-                faces[i] = glm::vec4(receivers->geometric_normal[i], receivers->object[i]);
+                pixels[i].z = (receivers->flags[at] & view::kInWater) != 0 ? 1.0f : 0.0f;
+                normals[i] = glm::vec4(receivers->shading_normal[at], 0);
+                faces[i] = glm::vec4(receivers->geometric_normal[at], receivers->object[at]);
             }
         }
     });
+}
+
+const gpu::RasterPipeline& BeamRenderer::State::pipeline(const SetOnDevice& set, bool listed) const {
+    if (set.bounded) {
+        const BoundedPipelines& all = *bounded_pipelines;
+        return shading == Shading::paper ? all.paper : (listed ? all.listed : all.plain);
+    }
+    const int tabulated = phases->first(0) >= 0 ? 1 : 0;
+    return shading == Shading::paper ? paper[tabulated] : pipelines[tabulated][listed ? 1 : 0];
 }
 
 BeamSums BeamRenderer::render(const view::SegmentLayer* segments, const view::ReceiverLayer* receivers,
@@ -237,41 +278,62 @@ BeamSums BeamRenderer::render(const view::SegmentLayer* segments, const view::Re
     const std::size_t count = static_cast<std::size_t>(clip.width) * static_cast<std::size_t>(clip.height);
     BeamSums sums{std::vector<glm::vec3>(count, glm::vec3(0)), std::vector<glm::vec3>(count, glm::vec3(0))};
     if (s.sets.empty()) return sums;
+    int rows = clip.height;
+    if (s.has_bounded && segments) {
+        const std::uint64_t row =
+            s.bounded->ray_entry() * sizeof(float) * static_cast<std::uint64_t>(clip.width);
+        rows = static_cast<int>(std::clamp<std::uint64_t>(
+            std::min(kColumnBytes, s.largest_buffer) / std::max<std::uint64_t>(1, row), 1,
+            static_cast<std::uint64_t>(clip.height)));
+    }
+    for (int first = 0; first < clip.height; first += rows)
+        s.render_rows(segments, receivers, first, std::min(rows, clip.height - first), sums, stats);
+    return sums;
+}
 
+void BeamRenderer::State::render_rows(const view::SegmentLayer* segments,
+                                      const view::ReceiverLayer* receivers, int first_row, int rows,
+                                      BeamSums& sums, FrameStats& stats) {
+    const scene::Clip& clip = scene->state.clip;
+    const auto width = static_cast<std::size_t>(clip.width);
+    const std::size_t count = width * static_cast<std::size_t>(rows),
+                      first_pixel = width * static_cast<std::size_t>(first_row);
     const std::size_t bytes = count * sizeof(glm::vec4);
-    gpu::Buffer first(s.device, "pixels or scattered light", bytes);
-    gpu::Buffer second(s.device, "normals or irradiance", bytes);
-    gpu::Buffer third(s.device, "faces", bytes);
+    gpu::Buffer first(device, "pixels or scattered light", bytes);
+    gpu::Buffer second(device, "normals or irradiance", bytes);
+    gpu::Buffer third(device, "faces", bytes);
     const auto image = [&](const char* name) {
-        return gpu::Image(s.device, name, clip.width, clip.height, gpu::Format::rgba32f);
+        return gpu::Image(device, name, clip.width, rows, gpu::Format::rgba32f);
     };
     const gpu::Image pixels = image("pixels"), normals = image("normals"), faces = image("faces"),
                      scattered = image("scattered light"), irradiance = image("irradiance");
-    {
-        const ScopedPass pass(stats, "beam raster");
-        s.write_pixels(segments, receivers, first.as<glm::vec4>(), second.as<glm::vec4>(),
-                       third.as<glm::vec4>());
-    }
     const int sample = segments ? segments->sample : receivers->sample;
     const glm::dvec2 offset = view::Camera::sample_offset(sample, clip.samples);
-    gpu::PassList passes(s.device);
+    gpu::PassList passes(device);
+    std::optional<RayColumns> columns;
+    {
+        const ScopedPass pass(stats, "beam raster");
+        write_pixels(segments, receivers, first_pixel, first.as<glm::vec4>(), second.as<glm::vec4>(),
+                     third.as<glm::vec4>());
+        if (has_bounded) columns.emplace(bounded->ray_columns(segments, first_pixel, count, *camera, offset));
+    }
     passes.copy("beam raster", first, pixels);
     passes.copy("beam raster", second, normals);
     passes.copy("beam raster", third, faces);
+    if (columns) bounded->add_passes(passes, *columns);
     gpu::Targets targets{.colors = {&scattered, &irradiance}};
-    const bool tabulated = s.scene->state.water && !is_lobes(s.scene->state.water->phase.type);
-    for (const SetOnDevice& set : s.sets) {
+    for (const SetOnDevice& set : sets) {
         for (const bool listed : {false, true}) {
             const gpu::Buffer& indices = listed ? set.listed : set.plain;
             if (indices.bytes() < kIndicesABeam * sizeof(std::uint32_t)) continue;
             gpu::Bindings bindings{
-                .buffers = {&set.beams, &set.corners, &set.turning, &*s.phase_table, &set.frame},
+                .buffers = {&set.beams, &set.corners, &set.turning, &phases->table(), &set.frame},
                 .images = {&pixels, &normals, &faces}};
-            bindings.set_push(s.push(set.set, offset));
-            const gpu::RasterPipeline& pipeline = s.shading == Shading::paper
-                                                      ? s.paper[tabulated ? 1 : 0]
-                                                      : s.pipelines[tabulated ? 1 : 0][listed ? 1 : 0];
-            passes.draw("beam raster", pipeline, std::move(bindings), targets,
+            if (set.bounded)
+                bindings.buffers.insert(bindings.buffers.end(), {&set.bounded->media, &columns->values,
+                                                                 &set.bounded->light_columns, &*set.entries});
+            bindings.set_push(push(set.set, offset, first_row));
+            passes.draw("beam raster", pipeline(set, listed), std::move(bindings), targets,
                         {.vertices = static_cast<std::uint32_t>(indices.bytes() / sizeof(std::uint32_t)),
                          .index_buffer = &indices});
             targets.clear = false;
@@ -285,12 +347,11 @@ BeamSums BeamRenderer::render(const view::SegmentLayer* segments, const view::Re
     const std::span<const glm::vec4> s_texels = first.as<glm::vec4>(), e_texels = second.as<glm::vec4>();
     double fragments = 0;
     for (std::size_t i = 0; i < count; ++i) {
-        sums.scattered[i] = glm::vec3(s_texels[i]);
-        sums.irradiance[i] = glm::vec3(e_texels[i]);
+        sums.scattered[first_pixel + i] = glm::vec3(s_texels[i]);
+        sums.irradiance[first_pixel + i] = glm::vec3(e_texels[i]);
         fragments += static_cast<double>(s_texels[i].w);
     }
     stats.count("beam fragments", fragments);
-    return sums;
 }
 
 }  // namespace dapple::methods::adaptive_beams

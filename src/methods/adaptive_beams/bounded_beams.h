@@ -1,0 +1,82 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <list>
+#include <vector>
+
+#include "base/stats.h"
+#include "gpu/device.h"
+#include "gpu/pass_list.h"
+#include "media/media.h"
+#include "methods/adaptive_beams/beam_set.h"
+#include "methods/adaptive_beams/media_columns.h"
+#include "scene/frame_scene.h"
+#include "view/camera.h"
+#include "view/segment_layer.h"
+
+namespace dapple::methods::adaptive_beams {
+
+/// Mean cosines of two lobes and the first one's share; of other functions this is -1.
+glm::vec3 lobes_of(const scene::PhaseFunction& phase);
+
+/// Phase functions of the media that are no sum of two lobes, as tables for the device.
+class PhaseTables {
+public:
+    PhaseTables(gpu::Device& device, const media::Media& media);
+    const gpu::Buffer& table() const { return values_; }
+    /// First value of a component of media::Media; negative: lobes_of() says all.
+    int first(std::size_t component) const { return first_[component]; }
+
+private:
+    std::vector<int> first_;
+    gpu::Buffer values_;
+};
+
+/// What draws of a set among bounded media bind, beside what all do.
+struct BoundedSet {
+    gpu::Buffer media;                 ///< two words of entry sizes, and layout::DrawnMedium
+    gpu::Buffer light_columns;         ///< columns along the set's rays
+    std::vector<std::uint32_t> entry;  ///< in these, a vertex; 0: it meets no medium
+
+    /// Those of the rays of beams of the set, three a beam.
+    gpu::Buffer entries_of(gpu::Device& device, const BeamSet& set, std::size_t first,
+                           std::size_t count) const;
+};
+
+/// Columns along the camera rays of a part of a picture.
+struct RayColumns {
+    std::size_t count;
+    gpu::Buffer lines, values;
+};
+
+/// Bounded media on the device: what they do to light on its way along beams and along camera rays.
+class BoundedBeams {
+public:
+    /// No table of light's columns has more bytes than `largest_buffer`.
+    BoundedBeams(gpu::Device& device, std::uint64_t largest_buffer);
+    /// A frame's media, which must outlive their use.
+    void begin(const scene::FrameScene& scene, const media::Media& media, const PhaseTables& phases,
+               FrameStats& stats);
+    /// Finds the columns along a set's rays, cached a vertex at so many depths. The result lives to the next
+    /// begin().
+    const BoundedSet& add(const BeamSet& set, FrameStats& stats);
+    /// Floats of a pixel's columns.
+    std::uint32_t ray_entry() const;
+    /// Of `count` pixels from `first` on; no segments: of none.
+    RayColumns ray_columns(const view::SegmentLayer* segments, std::size_t first, std::size_t count,
+                           const view::Camera& camera, glm::dvec2 offset) const;
+    void add_passes(gpu::PassList& passes, const RayColumns& columns) const;
+
+private:
+    gpu::Device& device_;
+    std::uint64_t largest_buffer_;
+    MediaColumns columns_;
+    const scene::FrameScene* scene_ = nullptr;
+    const media::Media* media_ = nullptr;
+    const PhaseTables* phases_ = nullptr;
+    ColumnTable rays_[2];  ///< of camera rays in air and in water
+    std::list<BoundedSet> sets_;
+};
+
+}  // namespace dapple::methods::adaptive_beams
