@@ -65,12 +65,18 @@ Means take(scene::FrameState state, const std::shared_ptr<const image::Texture>&
            const std::string& name, int finer, bool scattered, int channel) {
     state.clip.width *= finer;
     state.clip.height *= finer;
-    scene::FrameScene scene = test::scene_of(state);
+    scene::FrameScene scene;
+    if (state.water) {
+        scene = test::scene_of(state);
+    } else {
+        scene.state = state;
+        scene.object_meshes.resize(state.objects.size());
+    }
     scene.light_textures = {picture};
     const rays::RayScene rays(scene);
     FrameStats stats;
-    methods::FrameContext context{
-        scene, rays, test::validated_device(), stats, {{0, light::Event::transmission}}, {}};
+    const light::Chain chain{0, light::Event::transmission, state.water ? light::kWater : 1};
+    methods::FrameContext context{scene, rays, test::validated_device(), stats, {chain}, {}};
     const std::unique_ptr<methods::CausticMethod> method = methods::make_method(name);
     method->begin(context);
     view::LayerCounts counts;
@@ -164,6 +170,30 @@ TEST(Gobo, ScatteredLightOfEveryMethodIsTheReferences) {
         EXPECT_LT(error.l1, error.noise + 0.02);
         EXPECT_LT(std::abs(error.bias), 0.01);
     }
+}
+
+TEST(Gobo, IrradianceBelowABallIsTheReferences) {
+    scene::FrameState state = pool(false);
+    state.water.reset();
+    scene::Object ball;
+    ball.shape = scene::Shape::sphere;
+    ball.radius = 0.4;
+    ball.transform.position = {0, -0.5, 0};
+    ball.material.glass = true;
+    ball.material.refractive_index = 1.1;  // its focus lies 2 m below the floor
+    state.objects.push_back(ball);
+    state.camera.position.y = -0.95;
+    state.camera.target.y = -1;
+    state.caustics.reference = {0.03, 1};
+    std::vector<double> l1;
+    for (const auto& picture : {std::shared_ptr<const image::Texture>(), test::checkers(96, 6)}) {
+        const Means truth = take(state, picture, "reference", 1, false, 0);
+        l1.push_back(
+            error_of("adaptive_beams", take(state, picture, "adaptive_beams", 2, false, 0), truth).l1);
+    }
+    // Below glass the method has errors of its own, to which the picture adds none.
+    EXPECT_LT(l1[1], l1[0] + 0.01);
+    EXPECT_LT(l1[0], 0.12);
 }
 
 }  // namespace
