@@ -4,6 +4,8 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "gpu/validated_device.h"
 #include "image/exr.h"
@@ -26,7 +28,11 @@ struct Golden {
     const char* name;
     const char* timeline;
     std::int64_t frame;
+    std::vector<std::string> settings = {"clip.samples=2", "water.mesh_cells=200"};
 };
+
+/// Adaptive beams cost by their fragments.
+const std::vector<std::string> kFewFragments = {"clip.samples=1", "caustics.levels=1"};
 
 void PrintTo(const Golden& golden, std::ostream* stream) {
     *stream << golden.name;
@@ -38,11 +44,20 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(Golden{"pool", "pool.yaml", 20}, Golden{"poolside", "poolside.yaml", 20},
                     Golden{"deep", "deep.yaml", 20}, Golden{"seabed", "seabed.yaml", 10},
                     Golden{"bridge", "bridge.yaml", 5}, Golden{"blender_ocean", "blender_ocean.yaml", 3},
-                    Golden{"godrays", "godrays.yaml", 20}, Golden{"smoke", "smoke.yaml", 18}),
+                    Golden{"godrays", "godrays.yaml", 20}, Golden{"smoke", "smoke.yaml", 18},
+                    Golden{"fog", "fog.yaml", 20, {"clip.samples=1", "water.mesh_cells=120"}},
+                    Golden{"glass_sphere", "glass_sphere.yaml", 20, kFewFragments},
+                    Golden{"glass_mesh", "glass_mesh.yaml", 20, kFewFragments},
+                    Golden{"adaptive_godrays",
+                           "godrays.yaml",
+                           20,
+                           {"clip.samples=1", "water.mesh_cells=120",
+                            "caustics={method: adaptive_beams, levels: 1, volume_resolution: half}"}}),
     [](const auto& golden) { return golden.param.name; });
 
 image::Image render_small(const Golden& golden) {
-    std::vector<std::string> settings{"clip.resolution=[128, 72]", "clip.samples=2", "water.mesh_cells=200"};
+    std::vector<std::string> settings{"clip.resolution=[128, 72]"};
+    settings.insert(settings.end(), golden.settings.begin(), golden.settings.end());
     const timeline::Timeline timeline =
         timeline::Timeline::load(std::string(DAPPLE_SOURCE_DIR "/sequences/") + golden.timeline, settings);
     render::FrameRenderer renderer(test::validated_device());
