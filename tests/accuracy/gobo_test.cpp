@@ -184,6 +184,7 @@ TEST(Gobo, IrradianceBelowABallIsTheReferences) {
     state.objects.push_back(ball);
     state.camera.position.y = -0.95;
     state.camera.target.y = -1;
+    state.clip.width = state.clip.height = 16;
     state.caustics.reference = {0.1, 1};
     std::vector<double> l1;
     for (const auto& picture : {std::shared_ptr<const image::Texture>(), test::checkers(96, 6)}) {
