@@ -113,6 +113,21 @@ TEST(Texture, AFootprintThatIsNoNumberIsSharp) {
     EXPECT_EQ(texture.sample({0.75f, 0.5f}, std::numeric_limits<float>::infinity()).x, 0.5f);
 }
 
+TEST(Texture, OnceItsOutermostTexelsGoOn) {
+    const Texture texture(4, 2, random_rgb(4, 2));
+    const float middle = 0.75f;  // of the upper row
+    // Left of the middle of the first texel nothing of the last is mixed in, as where it repeats.
+    const glm::vec3 first = texture.sample({0.125f, middle}, 0);
+    for (const float u : {0.125f, 0.05f, 0.0f, -3.0f}) EXPECT_EQ(texture.sample_once({u, middle}, 0), first);
+    EXPECT_NE(texture.sample({0.05f, middle}, 0), first);
+    EXPECT_EQ(texture.sample_once({0.125f, 7}, 0), first);
+    // Within, and of wide footprints, the two are one.
+    EXPECT_EQ(texture.sample_once({0.4f, 0.6f}, 0), texture.sample({0.4f, 0.6f}, 0));
+    EXPECT_EQ(texture.sample_once({0.4f, 0.6f}, 1), texture.sample({0.4f, 0.6f}, 1));
+    EXPECT_EQ(texture.rgb().size(), 24U);
+    EXPECT_EQ(texture.rgb()[0], first.r);
+}
+
 TEST(Texture, FilesAreToldApartByContent) {
     const TemporaryFolder folder;
     Image picture;
