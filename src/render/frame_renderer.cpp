@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 
+#include "base/parallel.h"
 #include "media/media.h"
 #include "methods/registry.h"
 #include "ocean/grid_size.h"
@@ -26,13 +27,16 @@ namespace {
 constexpr int kLargestBatch = 4;
 constexpr std::size_t kBatchPixels = std::size_t{1} << 22;
 
+constexpr std::size_t kSeenAtOnce = 4096;  ///< pixels
+
 /// Memory of a receiver layer and its shading, a pixel.
 constexpr std::size_t kLayerBytes = 6 * sizeof(glm::vec3) + 2 * sizeof(std::uint32_t) + sizeof(glm::vec2) +
                                     2 * sizeof(float) + 5 * sizeof(glm::vec3) + 1;
 
 /// A segment, as it is recorded and as the layer keeps it, and what is found for it; segments a pixel where
 /// the camera sees through the water's surface.
-constexpr std::size_t kSegmentBytes = sizeof(view::PathPiece) + 9 * sizeof(glm::vec3) + 2 * sizeof(float) + 2;
+constexpr std::size_t kSegmentBytes =
+    view::SegmentRecorder::bytes_a_piece() + 9 * sizeof(glm::vec3) + 2 * sizeof(float) + 2;
 constexpr std::size_t kSegmentsAPixel = 2;
 
 /// Of the water: positions and normals in double, and what is needed beside them while they are made; indices
@@ -72,10 +76,12 @@ struct TracedLayer {
 /// What pixels receive of what their segments scatter.
 std::vector<glm::vec3> seen(const view::SegmentLayer& layer, const std::vector<glm::vec3>& radiance) {
     std::vector<glm::vec3> pixels(layer.first.size() - 1, glm::vec3(0));
-    for (std::size_t pixel = 0; pixel < pixels.size(); ++pixel) {
-        for (std::uint32_t i = layer.first[pixel]; i < layer.first[pixel + 1]; ++i)
-            pixels[pixel] += layer.throughput[i] * radiance[i];
-    }
+    parallel_for(pixels.size(), kSeenAtOnce, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t pixel = begin; pixel < end; ++pixel) {
+            for (std::uint32_t i = layer.first[pixel]; i < layer.first[pixel + 1]; ++i)
+                pixels[pixel] += layer.throughput[i] * radiance[i];
+        }
+    });
     return pixels;
 }
 

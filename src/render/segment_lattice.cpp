@@ -93,10 +93,12 @@ view::SegmentLayer segments_of(const view::SegmentLayer& layer, const std::vecto
     }
     const auto copy = [&](const auto& from, auto& to) {
         to.resize(part.first.back());
-        for (std::size_t pixel = 0; pixel < pixels(layer); ++pixel) {
-            for (std::size_t i = part.first[pixel]; i < part.first[pixel + 1]; ++i)
-                to[i] = from[layer.first[pixel] + (i - part.first[pixel])];
-        }
+        parallel_for(pixels(layer), kTile, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t pixel = begin; pixel < end; ++pixel) {
+                for (std::size_t i = part.first[pixel]; i < part.first[pixel + 1]; ++i)
+                    to[i] = from[layer.first[pixel] + (i - part.first[pixel])];
+            }
+        });
     };
     copy(layer.origin, part.origin);
     copy(layer.direction, part.direction);

@@ -4,9 +4,12 @@
 #include <cmath>
 #include <limits>
 
+#include "base/parallel.h"
+
 namespace dapple::view {
 namespace {
 
+constexpr std::size_t kTilesAtOnce = 4;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// m after which a homogeneous medium lets through kLeastTransmittance of the least extinct of the channels
@@ -65,8 +68,12 @@ void SegmentRecorder::record(std::size_t tile, const PathPiece& piece) {
     if (piece.throughput == glm::dvec3(0)) return;
     const double length = std::min(piece.length, farthest(piece));
     if (!(length > 0)) return;
-    pieces_[tile].push_back(piece);
-    pieces_[tile].back().length = length;
+    pieces_[tile].push_back({static_cast<std::uint32_t>(piece.pixel), static_cast<float>(length),
+                             static_cast<std::uint8_t>(piece.in_water),
+                             static_cast<std::uint8_t>(piece.primary), glm::vec3(piece.origin),
+                             glm::vec3(piece.direction), glm::vec3(piece.throughput),
+                             glm::vec3(piece.origin_du), glm::vec3(piece.direction_du),
+                             glm::vec3(piece.origin_dv), glm::vec3(piece.direction_dv)});
 }
 
 void SegmentRecorder::write(int width, int height, SegmentLayer& layer) const {
@@ -74,9 +81,14 @@ void SegmentRecorder::write(int width, int height, SegmentLayer& layer) const {
     layer.height = height;
     const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
     layer.first.assign(pixels + 1, 0);
-    for (const auto& tile : pieces_) {
-        for (const PathPiece& piece : tile) ++layer.first[piece.pixel + 1];
-    }
+    // Tiles share no pixel.
+    const auto visit_pieces = [&](auto&& visit) {
+        parallel_for(pieces_.size(), kTilesAtOnce, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t tile = begin; tile < end; ++tile)
+                for (const Kept& piece : pieces_[tile]) visit(piece);
+        });
+    };
+    visit_pieces([&](const Kept& piece) { ++layer.first[piece.pixel + 1]; });
     for (std::size_t pixel = 0; pixel < pixels; ++pixel) layer.first[pixel + 1] += layer.first[pixel];
 
     const std::size_t count = layer.first.back();
@@ -88,21 +100,19 @@ void SegmentRecorder::write(int width, int height, SegmentLayer& layer) const {
     layer.in_water.resize(count);
     layer.primary.resize(count);
     std::vector<std::uint32_t> next(layer.first.begin(), layer.first.end() - 1);
-    for (const auto& tile : pieces_) {
-        for (const PathPiece& piece : tile) {
-            const std::size_t i = next[piece.pixel]++;
-            layer.origin[i] = glm::vec3(piece.origin);
-            layer.direction[i] = glm::vec3(piece.direction);
-            layer.length[i] = static_cast<float>(piece.length);
-            layer.in_water[i] = piece.in_water ? 1 : 0;
-            layer.primary[i] = piece.primary ? 1 : 0;
-            layer.throughput[i] = glm::vec3(piece.throughput);
-            layer.spread_u_origin[i] = glm::vec3(piece.origin_du);
-            layer.spread_u_direction[i] = glm::vec3(piece.direction_du);
-            layer.spread_v_origin[i] = glm::vec3(piece.origin_dv);
-            layer.spread_v_direction[i] = glm::vec3(piece.direction_dv);
-        }
-    }
+    visit_pieces([&](const Kept& piece) {
+        const std::size_t i = next[piece.pixel]++;
+        layer.origin[i] = piece.origin;
+        layer.direction[i] = piece.direction;
+        layer.length[i] = piece.length;
+        layer.in_water[i] = piece.in_water;
+        layer.primary[i] = piece.primary;
+        layer.throughput[i] = piece.throughput;
+        layer.spread_u_origin[i] = piece.spread_u_origin;
+        layer.spread_u_direction[i] = piece.spread_u_direction;
+        layer.spread_v_origin[i] = piece.spread_v_origin;
+        layer.spread_v_direction[i] = piece.spread_v_direction;
+    });
 }
 
 }  // namespace dapple::view

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstddef>
+#include <cstdint>
 #include <glm/glm.hpp>
 #include <vector>
 
@@ -33,6 +34,8 @@ public:
     void record(std::size_t tile, const PathPiece& piece);
     /// Fills all but `sample` and `branch`; ordered by pixel.
     void write(int width, int height, SegmentLayer& layer) const;
+    /// Bytes of a piece that is kept.
+    static constexpr std::size_t bytes_a_piece() { return sizeof(Kept); }
 
     /// m: beyond it no light that a piece's near end could show is scattered. Water that scatters ends where
     /// it lets through kLeastTransmittance of the least extinct channel that it scatters in; other media end
@@ -40,8 +43,17 @@ public:
     double farthest(const PathPiece& piece) const;
 
 private:
+    /// A piece as the layer has it.
+    struct Kept {
+        std::uint32_t pixel;
+        float length;
+        std::uint8_t in_water, primary;
+        glm::vec3 origin, direction, throughput;
+        glm::vec3 spread_u_origin, spread_u_direction, spread_v_origin, spread_v_direction;
+    };
+
     const media::Media& media_;
-    std::vector<std::vector<PathPiece>> pieces_;  ///< a tile
+    std::vector<std::vector<Kept>> pieces_;  ///< a tile
 };
 
 }  // namespace dapple::view
