@@ -60,9 +60,11 @@ inline Lanes<float> inverse_root(Lanes<float> x) {
 inline Lanes<double> inverse_root(Lanes<double> x) {
     return 1.0 / reinterpret_cast<Lanes<double>>(_mm256_sqrt_pd(reinterpret_cast<__m256d>(x)));
 }
-template <class Numbers>
-inline Numbers magnitude(Numbers x) {
-    return x < 0 ? -x : x;
+inline Lanes<float> magnitude(Lanes<float> x) {
+    return reinterpret_cast<Lanes<float>>(reinterpret_cast<Mask<float>>(x) & 0x7fffffff);
+}
+inline Lanes<double> magnitude(Lanes<double> x) {
+    return reinterpret_cast<Lanes<double>>(reinterpret_cast<Mask<double>>(x) & 0x7fffffffffffffff);
 }
 /// One bit a lane, the first lane lowest. For any mask: compilers differ in the type that a comparison has.
 template <class AnyMask>

@@ -80,7 +80,8 @@ void ScatterBounds<Real>::build(Slab& slab, std::span<const glm::uvec3> triangle
             for (std::size_t i = begin; i < end; ++i) {
                 const NodeId id{static_cast<std::uint32_t>(level), static_cast<std::uint32_t>(i / columns),
                                 static_cast<std::uint32_t>(i % columns)};
-                nodes[i] = Node{};  // of what is dark nobody asks
+                nodes[i] = Node{};
+                nodes[i].stop = -std::numeric_limits<Real>::infinity();
                 bool first = true;
                 const auto add = [&](const Node& part) {
                     nodes[i] = first ? part : united(nodes[i], part, height);

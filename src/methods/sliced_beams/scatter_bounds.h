@@ -50,7 +50,7 @@ public:
     };
     struct Slab {
         Real from, to;                          ///< m of depth; the last one's end is infinite
-        std::vector<std::vector<Node>> levels;  ///< as the pyramid's; of its dark nodes nothing
+        std::vector<std::vector<Node>> levels;  ///< as the pyramid's; dark nodes stop at -infinity
     };
     const std::vector<Slab>& slabs() const { return slabs_; }
     /// m, of all bounds' places at the last slab's first depth.
@@ -73,9 +73,10 @@ template <class Real>
 inline void clip(Lanes<Real> c0, Lanes<Real> c1, Lanes<Real>& from, Lanes<Real>& to) {
     c1 += Lanes<Real>{};  // no -0, whose quotient would have the wrong sign
     const Lanes<Real> root = -c0 / c1;
+    constexpr Real infinity = std::numeric_limits<Real>::infinity();
     const auto rising = c1 >= 0;
-    from = (rising & (root > from)) ? root : from;
-    to = (~rising & (root < to)) ? root : to;
+    from = greater(rising ? root : splat(-infinity), from);
+    to = lesser(rising ? splat(infinity) : root, to);
 }
 
 template <class Real>
@@ -106,9 +107,9 @@ void ScatterBounds<Real>::visit(const SegmentLanes<Real>& s, glm::vec<2, Real> s
             const NodeId id = open.back().node;
             L from = open.back().from, to = open.back().to;
             open.pop_back();
-            if (pyramid_.dark(id)) continue;
             if (!left_out_.empty() && left_out_[id.level][pyramid_.index(id)]) continue;
             const Node& n = slab.levels[id.level][pyramid_.index(id)];
+            if (!(n.stop > slab.from)) continue;
             const L below = s.depth - slab.from;
             // The shift, times the depth from where the rays start.
             const Real start_a = std::max(shift.x * n.first_start, shift.x * n.last_start);
@@ -133,7 +134,10 @@ void ScatterBounds<Real>::visit(const SegmentLanes<Real>& s, glm::vec<2, Real> s
             if (id.level == 0)
                 visit(id, from, to);
             else
-                pyramid_.visit_children(id, [&](NodeId child) { open.push_back({child, from, to}); });
+                pyramid_.visit_children(id, [&](NodeId child) {
+                    __builtin_prefetch(&slab.levels[child.level][pyramid_.index(child)]);
+                    open.push_back({child, from, to});
+                });
         }
     }
 }
