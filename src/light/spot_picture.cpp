@@ -18,20 +18,6 @@ constexpr double kMostParts = 16;
 /// Channels that differ by less against the brightest texel are alike.
 constexpr float kGrey = 1e-4f;
 
-double luminance(const glm::dvec3& color) {
-    return glm::dot(color, glm::dvec3(0.2126, 0.7152, 0.0722));
-}
-
-bool alike(std::span<const float> rgb) {
-    float brightest = 0;
-    for (const float value : rgb) brightest = std::max(brightest, value);
-    for (std::size_t i = 0; i < rgb.size(); i += 3) {
-        const float red = std::abs(rgb[i] - rgb[i + 1]), blue = std::abs(rgb[i + 2] - rgb[i + 1]);
-        if (std::max(red, blue) > kGrey * brightest) return false;
-    }
-    return true;
-}
-
 }  // namespace
 
 SpotPicture::SpotPicture(const scene::FrameScene& scene, int light_index) {
@@ -40,10 +26,6 @@ SpotPicture::SpotPicture(const scene::FrameScene& scene, int light_index) {
     if (light.type != scene::LightType::spot || index >= scene.light_textures.size()) return;
     texture_ = scene.light_textures[index];
     if (!texture_) return;
-    const std::span<const float> rgb = texture_->rgb();
-    grey_ = alike(rgb);
-    for (std::size_t i = 0; i < rgb.size(); i += 3)
-        peak_ = std::max(peak_, luminance({rgb[i], rgb[i + 1], rgb[i + 2]}));
     axis_ = light.direction;
     const glm::dvec3 level(-axis_.z, 0, axis_.x);  // axis x (0, 1, 0)
     const double length = glm::length(level);
@@ -69,9 +51,28 @@ glm::dvec3 SpotPicture::at(const glm::dvec2& place, double texels) const {
     return texture_->sample_once(glm::vec2(0.5 + uv_scale_ * place), static_cast<float>(texels / longer));
 }
 
-double SpotPicture::brightness(const glm::dvec3& value) const {
+bool SpotPicture::grey() const {
+    if (!exists()) return true;
+    const std::span<const float> rgb = texture_->rgb();
+    const float least = kGrey * *std::max_element(rgb.begin(), rgb.end());
+    for (std::size_t i = 0; i < rgb.size(); i += 3) {
+        const float red = std::abs(rgb[i] - rgb[i + 1]), blue = std::abs(rgb[i + 2] - rgb[i + 1]);
+        if (std::max(red, blue) > least) return false;
+    }
+    return true;
+}
+
+double SpotPicture::brightest() const {
     if (!exists()) return 1;
-    return peak_ > 0 ? luminance(value) / peak_ : 0;
+    const std::span<const float> rgb = texture_->rgb();
+    double found = 0;
+    for (std::size_t i = 0; i < rgb.size(); i += 3)
+        found = std::max(found, luminance({rgb[i], rgb[i + 1], rgb[i + 2]}));
+    return found;
+}
+
+double SpotPicture::luminance(const glm::dvec3& color) {
+    return glm::dot(color, glm::dvec3(0.2126, 0.7152, 0.0722));
 }
 
 bool SpotPicture::in_cone(const glm::dvec3& way) const {

@@ -21,8 +21,11 @@ public:
     SpotPicture(const scene::FrameScene& scene, int light);
 
     bool exists() const { return texture_ != nullptr; }
-    /// Whether the channels are alike, to 1e-4 of the brightest texel.
-    bool grey() const { return grey_; }
+    /// Whether the channels are alike, to 1e-4 of the brightest texel; looks at all texels.
+    bool grey() const;
+    /// Luminance (Rec. 709) of the brightest texel; looks at all.
+    double brightest() const;
+    static double luminance(const glm::dvec3& color);
 
     /// Relative to the light's intensity, in the direction of `way` (m, any length, from the light). The mean
     /// over `width` rad about it, to what levels of half as many texels tell; 0: the point's.
@@ -36,8 +39,6 @@ public:
 
     /// Texels along a radian at the middle of the picture, the coarser way.
     double texels_per_radian() const { return 1 / texel_; }
-    /// Luminance (Rec. 709) of a value of the picture over that of its brightest texel; 1 without a picture.
-    double brightness(const glm::dvec3& value) const;
     /// Whether the way is in the cone.
     bool in_cone(const glm::dvec3& way) const;
 
@@ -46,8 +47,6 @@ private:
     glm::dvec3 at(const glm::dvec2& place, double texels) const;
 
     std::shared_ptr<const image::Texture> texture_;
-    bool grey_ = true;
-    double peak_ = 0;  ///< luminance of the brightest texel
     glm::dvec3 right_{1, 0, 0}, up_{0, 0, -1}, axis_{0, -1, 0};
     glm::dvec2 uv_scale_{0};  ///< uv from tangents of angles to the axis
     double texel_ = 1;        ///< tangent, of one texel

@@ -165,7 +165,10 @@ private:
         view.from_below_ = light_.position.y < 0;
         view.spot_ = light_.type == scene::LightType::spot;
         view.direction_ = light_.direction;
-        if (picture_->exists()) view.picture_ = picture_;
+        if (picture_->exists()) {
+            view.picture_ = picture_;
+            view.brightest_ = picture_->brightest();
+        }
         if (view.spot_) {
             view.cos_outer_ = std::cos(light_.cone_angle);
             view.cos_inner_ = std::cos(std::max(0.0, light_.cone_angle - light_.falloff_angle));
@@ -266,7 +269,8 @@ double LightView::picture_brightness(glm::dvec2 uv, double width) const {
     if (!textured()) return 1;
     const glm::dvec3 way = corner_ + uv.x * along_u_ + uv.y * along_v_;
     const double across = std::sqrt(glm::length(glm::cross(along_u_, along_v_)) / glm::dot(way, way));
-    return picture_->brightness(picture_->towards(way, width * across));
+    const double found = light::SpotPicture::luminance(picture_->towards(way, width * across));
+    return brightest_ > 0 ? found / brightest_ : 0;
 }
 
 LightView LightView::in_channels(const glm::dvec3& mask) const {

@@ -55,6 +55,7 @@ private:
     double cos_outer_ = -2;
     double cos_inner_ = 1;
     std::shared_ptr<const light::SpotPicture> picture_;
+    double brightest_ = 1;  // SpotPicture::brightest()
 };
 
 /// Points whose hull holds a body, relative to FrameScene::origin; a sphere is said apart.
