@@ -10,13 +10,13 @@ LAYOUT_BEGIN
 struct ScatterRay {
     vec4 pass;    // m, a and b where it passes the plane depth = 0; m a m of depth, its slopes
     float start;  // m, depth at which it leaves the water
-    float stop;   // m, depth at which an object stops it; read only of beams that are cut
 };
 
 struct ScatterBeam {
-    uint corner[3];  // indices of rays
-    uint cut;        // 1: an object stops all its rays, at their stops
-    float flux;      // twice the beam's, unit of BeamSheet::flux
+    uint corner[3];    // indices of rays
+    float flux;        // twice the beam's, unit of BeamSheet::flux
+    float last_start;  // m, depth from which on all of it is below the water
+    float first_stop;  // m, depth from which on an object may have stopped it
 };
 
 // A node of the pyramid over the beams within one slab of depths. Nodes stand before their children, each
@@ -26,10 +26,10 @@ struct ScatterNode {
     vec4 grows;         // m a m of depth, by how much they grow
     float first_start;  // m, depths between which the beams leave the water
     float last_start;
-    float stop;        // m, depth beyond which they have no light
-    uint next;         // index of the first node after all that lies below this one
-    uint first_beam;   // of a finest node
-    uint beams_count;  // 0: not a finest node
+    float stop;       // m, depth beyond which they have no light
+    uint next;        // index of the first node after all that lies below this one
+    uint first_beam;  // of a finest node
+    uint beams;       // how many; at most 8
 };
 
 struct ScatterSlab {

@@ -15,8 +15,8 @@
 namespace dapple::methods::sliced_beams {
 namespace {
 
-static_assert(sizeof(layout::ScatterRay) == 24);
-static_assert(sizeof(layout::ScatterBeam) == 20);
+static_assert(sizeof(layout::ScatterRay) == 20);
+static_assert(sizeof(layout::ScatterBeam) == 24);
 static_assert(sizeof(layout::ScatterNode) == 56);
 static_assert(sizeof(layout::ScatterSlab) == 12);
 static_assert(sizeof(layout::ScatterSegment) == 28);
@@ -26,7 +26,8 @@ static_assert(sizeof(layout::ScatterPush) == 112);
 constexpr std::size_t kGroup = 64;  ///< invocations of a work group
 /// Segments of a dispatch: with what the shader does of each at most, far less than a second's work anywhere.
 constexpr std::size_t kSegmentsAtOnce = 1 << 15;
-constexpr std::size_t kPatches = 16;  ///< whose segments one thread collects
+constexpr std::size_t kMostNodes = 1 << 26;  ///< whose pieces the shader can number in 32 bits
+constexpr std::size_t kPatches = 16;         ///< whose segments one thread collects
 
 template <class T>
 gpu::Buffer uploaded(gpu::Device& device, std::string_view name, std::span<const T> values) {
@@ -93,13 +94,13 @@ struct ScatterPass::State {
     explicit State(gpu::Device& d)
         : device(d),
           scatter(d, "light scattered out of beams", sliced_beams_scatter_comp,
-                  {.storage_buffers = 7, .push_bytes = sizeof(layout::ScatterPush)}),
+                  {.storage_buffers = 8, .push_bytes = sizeof(layout::ScatterPush)}),
           segments(d, "segments", kSegmentsAtOnce * sizeof(layout::ScatterSegment),
                    gpu::BufferMemory::device),
           sums(d, "scattered light", kSegmentsAtOnce * sizeof(layout::ScatterSum)) {}
 
     struct Sheet {
-        gpu::Buffer slabs, nodes, beams, rays;
+        gpu::Buffer slabs, nodes, beams, rays, stops;
         std::uint32_t end;         ///< of the nodes
         layout::ScatterPush push;  ///< axes, colour, size
     };
@@ -129,7 +130,8 @@ bool ScatterPass::take(const ScatterSheet<float>& sheet, std::size_t index) {
     const auto fits = [&](const auto& values) {
         return values.size() * sizeof(values[0]) <= state_->device.largest_storage_range();
     };
-    if (!fits(tree.nodes) || !fits(tree.beams) || !fits(tree.rays)) return false;
+    if (!fits(tree.nodes) || !fits(tree.beams) || !fits(tree.rays) || tree.nodes.size() > kMostNodes)
+        return false;
     gpu::Device& device = state_->device;
     const light::BeamSheet<float>& from = sheet.coverage().sheet();
     layout::ScatterPush push{};
@@ -143,6 +145,7 @@ bool ScatterPass::take(const ScatterSheet<float>& sheet, std::size_t index) {
                        uploaded<layout::ScatterNode>(device, "nodes of beams", tree.nodes),
                        uploaded<layout::ScatterBeam>(device, "beams", tree.beams),
                        uploaded<layout::ScatterRay>(device, "rays in media", tree.rays),
+                       uploaded<float>(device, "stops of rays", tree.stops),
                        tree.slabs.back().end,
                        push};
     state_->sheets.insert_or_assign(index, std::move(taken));
@@ -157,9 +160,9 @@ void ScatterPass::State::run(const Sheet& sheet, layout::ScatterPush push, const
     push.count = static_cast<std::uint32_t>(count);
     do {
         gpu::PassList passes(device);
-        gpu::Bindings bindings{
-            .buffers = {&sheet.slabs, &sheet.nodes, &sheet.beams, &sheet.rays, &phases, &segments, &sums},
-            .writes = {&sums}};
+        gpu::Bindings bindings{.buffers = {&sheet.slabs, &sheet.nodes, &sheet.beams, &sheet.rays,
+                                           &sheet.stops, &phases, &segments, &sums},
+                               .writes = {&sums}};
         bindings.set_push(push);
         passes.compute("scattering", scatter, std::move(bindings),
                        {static_cast<std::uint32_t>((count + kGroup - 1) / kGroup), 1, 1});

@@ -20,9 +20,13 @@ void add_beams(const ScatterSheet<float>& sheet, const BeamCluster<float>& clust
         const auto& beam = cluster.beam[i];
         if (beam.shade & (Ways::kMixedAfter | Ways::kMixedBefore)) continue;
         const glm::uvec3& corner = sheet.coverage().triangles()[beam.triangle];
+        const std::vector<float>& start = sheet.coverage().sheet().start;
+        const bool cut = (beam.shade & Ways::kCut) != 0;
+        const auto stop = [&](std::uint32_t vertex) { return cut ? sheet.ways().stop(vertex) : kFar; };
         tree.beams.push_back({{corner.x, corner.y, corner.z},
-                              (beam.shade & Ways::kCut) != 0 ? 1u : 0u,
-                              2 * sheet.coverage().sheet().flux[beam.triangle]});
+                              2 * sheet.coverage().sheet().flux[beam.triangle],
+                              std::max({start[corner.x], start[corner.y], start[corner.z]}),
+                              std::min({stop(corner.x), stop(corner.y), stop(corner.z)})});
     }
 }
 
@@ -70,8 +74,8 @@ ScatterTree::ScatterTree(const ScatterSheet<float>& sheet) : largest(sheet.bound
     for (std::size_t i = 0; i < beam_sheet.rays.size(); ++i) {
         const auto& ray = beam_sheet.rays[i];
         const auto vertex = static_cast<std::uint32_t>(i);
-        const float stop = sheet.ways().empty() ? kFar : std::min(sheet.ways().stop(vertex), kFar);
-        rays.push_back({{ray.a, ray.b, ray.slope_a, ray.slope_b}, beam_sheet.start[i], stop});
+        rays.push_back({{ray.a, ray.b, ray.slope_a, ray.slope_b}, beam_sheet.start[i]});
+        stops.push_back(sheet.ways().empty() ? kFar : std::min(sheet.ways().stop(vertex), kFar));
     }
 }
 

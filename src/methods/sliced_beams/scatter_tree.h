@@ -12,6 +12,7 @@ struct ScatterTree {
     std::vector<layout::ScatterNode> nodes;  ///< slab by slab, each node before its children
     std::vector<layout::ScatterBeam> beams;  ///< in the order of the finest nodes
     std::vector<layout::ScatterRay> rays;    ///< a vertex of the water
+    std::vector<float> stops;                ///< m of depth, the same, where an object stops it
     float largest = 0;                       ///< m, as ScatterBounds::largest()
 
     explicit ScatterTree(const ScatterSheet<float>& sheet);

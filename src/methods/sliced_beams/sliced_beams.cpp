@@ -58,9 +58,9 @@ namespace {
 /// Whether the device computes coverage and scattered light by itself; by its type, never by timing, so that
 /// bits repeat. On lavapipe the pass of coverage costs 2.0 to 2.4 times the CPU code on a level floor, more
 /// than the twice that it may; 1.4 to 2 times on a pool with a column and on a curved floor
-/// (tests/benchmarks/beams/bench_coverage_pass.cpp). That of scattered light costs some 25 times as much
-/// (bench_scatter.cpp): there all branches are executed, and every number is loaded for each segment by
-/// itself.
+/// (tests/benchmarks/beams/bench_coverage_pass.cpp). That of scattered light costs 10 times as much
+/// (bench_scatter.cpp): each number is loaded one by one for each segment, and what no segment needs is
+/// executed.
 bool computes_by_default(gpu::DeviceType type) {
     return type != gpu::DeviceType::cpu;
 }
