@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <random>
 
 #include "closed_form/beam_sheets.h"
@@ -128,26 +129,36 @@ TEST(ShadowShapes, AgreeWithRays) {
 }
 
 TEST(LitParts, AreWhatShadowsLeave) {
+    // As many as there may be: lanes are parted in different order, and yet there is room for all of them.
+    constexpr std::size_t kMost = LitParts<float>::kMostShadows;
     std::mt19937 random(4);
     std::uniform_real_distribution<float> uniform(-1.5f, 1.5f);
-    for (int round = 0; round < 200; ++round) {
-        LitParts<float> lit(Mask<float>{} == 0);
-        Lanes<float> first[5], last[5];
-        for (int i = 0; i < 5; ++i) {
-            for (int lane = 0; lane < 8; ++lane) {
-                first[i][lane] = uniform(random);
-                last[i][lane] = first[i][lane] + 0.3f * uniform(random);  // a third of them: nothing
+    for (const std::size_t count : {std::size_t{5}, std::size_t{63}, kMost}) {
+        const float longest = 1.5f / static_cast<float>(count);
+        for (int round = 0; round < 40; ++round) {
+            LitParts<float> lit(Mask<float>{} == 0);
+            std::array<Lanes<float>, kMost> first{}, last{};
+            for (std::size_t i = 0; i < count; ++i) {
+                for (int lane = 0; lane < 8; ++lane) {
+                    first[i][lane] = uniform(random);
+                    last[i][lane] = first[i][lane] + longest * uniform(random);  // half of them: nothing
+                }
+                lit.darken(first[i], last[i]);
             }
-            lit.darken(first[i], last[i]);
-        }
-        for (int lane = 0; lane < 8; ++lane) {
-            for (float t = -0.999f; t < 1; t += 0.0137f) {
-                int parts = 0, shadows = 0;
-                lit.visit([&](const Lanes<float>& from, const Lanes<float>& to, const Mask<float>& lanes) {
-                    parts += lanes[lane] && t > from[lane] && t < to[lane];
-                });
-                for (int i = 0; i < 5; ++i) shadows += t > first[i][lane] && t < last[i][lane];
-                ASSERT_EQ(parts, shadows == 0 ? 1 : 0) << round << " " << lane << " " << t;
+            std::size_t visited = 0;
+            lit.visit([&](const auto&...) { ++visited; });
+            ASSERT_LE(visited, count + 1);
+            for (int lane = 0; lane < 8; ++lane) {
+                for (float t = -0.999f; t < 1; t += 0.0137f) {
+                    int parts = 0, shadows = 0;
+                    lit.visit(
+                        [&](const Lanes<float>& from, const Lanes<float>& to, const Mask<float>& lanes) {
+                            parts += lanes[lane] && t > from[lane] && t < to[lane];
+                        });
+                    for (std::size_t i = 0; i < count; ++i)
+                        shadows += t > first[i][lane] && t < last[i][lane];
+                    ASSERT_EQ(parts, shadows == 0 ? 1 : 0) << round << " " << lane << " " << t;
+                }
             }
         }
     }

@@ -37,28 +37,38 @@ private:
         L from, to;
         Mask<Real> lanes;
     };
-    std::array<Part, kMostShadows + 1> part_;
+    std::array<Part, kMostShadows + 1> part_;  ///< a shadow adds one at most
     std::size_t count_ = 1;
 };
 
 template <class Real>
 void LitParts<Real>::darken(const L& first, const L& last) {
-    const std::size_t count = count_;
     std::size_t kept = 0;
-    for (std::size_t i = 0; i < count; ++i) {
+    // A shadow parts one of a lane's parts at most: what lies behind it, of all lanes.
+    Part behind{last, last, Mask<Real>{}};
+    for (std::size_t i = 0; i < count_; ++i) {
         Part part = part_[i];
         const Mask<Real> shadowed = part.lanes & (first < last) & (first < part.to) & (last > part.from);
         if (any(shadowed)) {
             const Mask<Real> before = shadowed & (first > part.from), after = shadowed & (last < part.to);
-            if (any(before & after)) part_[count_++] = {last, part.to, before & after};
+            const Mask<Real> parted = before & after;
+            behind.to = parted ? part.to : behind.to;
+            behind.lanes |= parted;
             part.to = before ? first : part.to;
             part.from = (after & ~before) ? last : part.from;
             part.lanes &= ~shadowed | before | after;
         }
         if (any(part.lanes)) part_[kept++] = part;
     }
-    // Parts that were added follow those that were kept.
-    for (std::size_t i = count; i < count_; ++i) part_[kept++] = part_[i];
+    // Into lanes that are free, so that there are never more than a lane's parts.
+    for (std::size_t i = 0; i < kept && any(behind.lanes); ++i) {
+        const Mask<Real> fit = behind.lanes & ~part_[i].lanes;
+        part_[i].from = fit ? behind.from : part_[i].from;
+        part_[i].to = fit ? behind.to : part_[i].to;
+        part_[i].lanes |= fit;
+        behind.lanes &= ~fit;
+    }
+    if (any(behind.lanes)) part_[kept++] = behind;
     count_ = kept;
 }
 
