@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <optional>
+#include <span>
 
 #include "base/parallel.h"
 #include "media/media.h"
@@ -150,34 +151,46 @@ private:
     /// split.
     void render_batch(int first, int count) {
         std::vector<TracedLayer> layers;
-        std::vector<view::LayerCounts> first_branches;
-        for (int i = 0; i < count; ++i) layers.push_back(trace(first + i, 0, first_branches.emplace_back()));
-        render_layers(std::move(layers));
-        const auto render_branch = [&](int sample, int branch) {
-            view::LayerCounts counts;
-            std::vector<TracedLayer> layer;
-            layer.push_back(trace(sample, branch, counts));
-            render_layers(std::move(layer));
-            return counts;
-        };
+        std::vector<std::vector<std::uint8_t>> splits;
         for (int i = 0; i < count; ++i) {
-            const view::LayerCounts& refracted = first_branches[static_cast<std::size_t>(i)];
-            if (refracted.split_again_pixels > 0) render_branch(first + i, 2);
-            if (refracted.split_pixels > 0 && render_branch(first + i, 1).split_again_pixels > 0)
-                render_branch(first + i, 3);
+            layers.push_back(trace({first + i, 0}));
+            splits.push_back(std::move(layers.back().receivers.splits));
+        }
+        render_layers(std::move(layers));
+        for (int i = 0; i < count; ++i) {
+            const std::vector<std::uint8_t>& refracted = splits[static_cast<std::size_t>(i)];
+            render_branch(first + i, 2, refracted, view::kSplitsAgain);
+            const std::vector<std::uint8_t> reflected = render_branch(first + i, 1, refracted, view::kSplits);
+            render_branch(first + i, 3, reflected, view::kSplitsAgain);
         }
     }
 
+    /// Of the pixels whose path splits so in another branch; the splits of this one.
+    std::vector<std::uint8_t> render_branch(int sample, int branch, std::span<const std::uint8_t> splits,
+                                            view::PathSplits split) {
+        if (std::none_of(splits.begin(), splits.end(), [&](std::uint8_t s) { return (s & split) != 0; }))
+            return {};
+        view::LayerRequest request{sample, branch};
+        request.only = split;
+        request.splits = splits;
+        std::vector<TracedLayer> layers;
+        layers.push_back(trace(request));
+        std::vector<std::uint8_t> found = std::move(layers.front().receivers.splits);
+        render_layers(std::move(layers));
+        return found;
+    }
+
     /// The segments of the layer are gone when it returns: they take more room than its receivers.
-    TracedLayer trace(int sample, int branch, view::LayerCounts& counts) {
+    TracedLayer trace(const view::LayerRequest& request) {
         TracedLayer layer;
+        view::LayerCounts counts;
         view::SegmentLayer segments;
         {
             const ScopedPass pass(stats_, "camera paths");
-            layer.receivers = view::trace_layer(scene_, rays_, {sample, branch}, counts,
-                                                plan_.volume ? &segments : nullptr);
+            layer.receivers =
+                view::trace_layer(scene_, rays_, request, counts, plan_.volume ? &segments : nullptr);
         }
-        stats_.count("camera paths", static_cast<double>(layer.receivers.pixels()));
+        stats_.count("camera paths", static_cast<double>(counts.paths));
         stats_.count("dropped splits", static_cast<double>(counts.dropped_splits));
         stats_.count("longest chain hits", static_cast<double>(counts.longest_chain_hits));
         if (!plan_.volume) return layer;
@@ -189,7 +202,7 @@ private:
         layer.volume_direct = seen(segments, radiance.direct);
         layer.volume_caustics = seen(segments, radiance.caustics);
         // At half resolution the method has something to say of some pixels only.
-        if (plan_.volume_caustics && !plan_.half_volume && sample == 0 && branch == 0)
+        if (plan_.volume_caustics && !plan_.half_volume && request.sample == 0 && request.branch == 0)
             layer.volume_data = method_.in_scatter_data();
         return layer;
     }

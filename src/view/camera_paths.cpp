@@ -60,7 +60,8 @@ private:
     bool cross_water(Path& path, const SurfacePoint& surface, LayerCounts& counts) const;
     bool cross_glass(Path& path, std::uint32_t object, const SurfacePoint& surface,
                      LayerCounts& counts) const;
-    bool cross(Path& path, const SurfacePoint& surface, double eta, LayerCounts& counts) const;
+    bool cross(Path& path, const SurfacePoint& surface, double index, double index_beyond,
+               LayerCounts& counts) const;
     bool mirror(Path& path, const SurfacePoint& surface, const glm::dvec3& color, LayerCounts& counts) const;
     bool may_go_on(Path& path, LayerCounts& counts) const;
     void reach(Path& path, double distance) const;
@@ -111,6 +112,14 @@ void LayerTracer::trace_tile(std::size_t tile, LayerCounts& counts) const {
                             static_cast<int>(tile / across) * kTileSize);
     std::vector<Path> paths =
         starts_.start(corner, glm::min(corner + kTileSize, glm::ivec2(layer_.width, layer_.height)));
+    if (!request_.splits.empty())
+        std::erase_if(paths,
+                      [&](const Path& path) { return (request_.splits[path.pixel] & request_.only) == 0; });
+    counts.paths += paths.size();
+    for (Path& path : paths) {
+        path.index = path.body == kNoBody ? index_outside(path.in_water)
+                                          : scene_.state.objects[path.body].material.refractive_index;
+    }
     std::vector<Encounter> encounters;
     while (!paths.empty()) {
         find_encounters(paths, encounters);
@@ -207,7 +216,7 @@ bool LayerTracer::cross_water(Path& path, const SurfacePoint& surface, LayerCoun
     reach(path, surface.distance);
     if (!may_go_on(path, counts)) return false;
     const double index = index_outside(true);
-    const bool refracts = cross(path, surface, from_air ? 1 / index : index, counts);
+    const bool refracts = cross(path, surface, from_air ? 1 : index, from_air ? index : 1, counts);
     path.in_water = refracts == from_air;
     return true;
 }
@@ -224,28 +233,33 @@ bool LayerTracer::cross_glass(Path& path, std::uint32_t object, const SurfacePoi
               : point_in_water(scene_, rays_, lifted(surface.position, surface.geometric_normal));
     const double outside = index_outside(outside_in_water);
     const double glass = scene_.state.objects[object].material.refractive_index;
-    const bool refracts = cross(path, surface, enters ? outside / glass : glass / outside, counts);
+    const bool refracts = cross(path, surface, enters ? outside : glass, enters ? glass : outside, counts);
     const bool inside = refracts == enters;
     path.body = inside ? object : kNoBody;
     path.in_water = !inside && outside_in_water;
     return true;
 }
 
-/// Sends the path on through the interface or back from it; whether through it. `eta`: Crossing.
-bool LayerTracer::cross(Path& path, const SurfacePoint& surface, double eta, LayerCounts& counts) const {
-    const Crossing crossing(path.direction, surface, eta);
+/// Sends the path on through the interface or back from it; whether through it. The indices of refraction
+/// are those of the path's own medium and of that beyond.
+bool LayerTracer::cross(Path& path, const SurfacePoint& surface, double index, double index_beyond,
+                        LayerCounts& counts) const {
+    const Crossing crossing(path.direction, surface, index / index_beyond);
     bool refracts = crossing.transmittance > 0;
     if (crossing.transmittance > 0 && crossing.reflectance > 0) {
         const bool refraction_is_stronger = crossing.transmittance >= crossing.reflectance;
-        const double weaker =
-            mean(path.throughput) * (refraction_is_stronger ? crossing.reflectance : crossing.through());
+        // As the camera's medium sees it: radiance over n^2 is what a pixel has shares of.
+        const double weaker = mean(path.throughput) * index * index / (path.index * path.index) *
+                              std::min(crossing.transmittance, crossing.reflectance);
         if (!path.split) {
             path.split = true;
             ++counts.split_pixels;
+            layer_.splits[path.pixel] |= kSplits;
             refracts = !reflects_first();
         } else if (!path.split_again && weaker >= kWorthFollowing) {
             path.split_again = true;
             ++counts.split_again_pixels;
+            layer_.splits[path.pixel] |= kSplitsAgain;
             refracts = refraction_is_stronger != takes_weaker();
         } else {
             if (wanted(path)) {
@@ -377,6 +391,7 @@ ReceiverLayer empty_layer(const scene::Clip& clip, LayerRequest request) {
     layer.branch = request.branch;
     const std::size_t pixels = layer.pixels();
     layer.flags.assign(pixels, 0);
+    layer.splits.assign(pixels, 0);
     layer.object.assign(pixels, 0);
     layer.primitive.assign(pixels, 0);
     for (auto* positions : {&layer.position, &layer.footprint_u, &layer.footprint_v, &layer.throughput}) {
@@ -405,6 +420,7 @@ ReceiverLayer trace_layer(const scene::FrameScene& scene, const rays::RayScene& 
     });
     counts = LayerCounts{};
     for (const LayerCounts& part : parts) {  // in order of the tiles: the same bits on any number of threads
+        counts.paths += part.paths;
         counts.split_pixels += part.split_pixels;
         counts.split_again_pixels += part.split_again_pixels;
         counts.dropped_splits += part.dropped_splits;

@@ -1,6 +1,8 @@
 #pragma once
+#include <cstdint>
 #include <glm/glm.hpp>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "rays/ray_scene.h"
@@ -15,8 +17,8 @@ constexpr int kLongestChain = 8;
 
 /// Choices at Fresnel splits that a path has.
 constexpr int kBranches = 4;
-/// Throughput (mean of the channels) of a side of a split that has a branch of its own; a face of glass
-/// reflects 0.04 upright.
+/// Share of a pixel's radiance (mean of the channels) of a side of a split that has a branch of its own; a
+/// face of glass reflects 0.04 upright.
 constexpr double kWorthFollowing = 0.05;
 
 /// Whether the camera is under water in this frame: below the first crossing of the water mesh above it;
@@ -28,7 +30,7 @@ bool camera_in_water(const scene::FrameScene& scene);
 /// Follows one camera path a pixel through water, glass and mirrors to its receiver (at most kLongestChain
 /// specular events). A `branch` is a choice at Fresnel splits. At the first split branches 0 and 2 take the
 /// refracted ray (weight T), 1 and 3 the reflected one (weight F). At the first later split whose weaker side
-/// has a throughput of at least kWorthFollowing, 0 and 1 take the stronger side, 2 and 3 the weaker. Pixels
+/// has at least kWorthFollowing of the pixel, 0 and 1 take the stronger side, 2 and 3 the weaker. Pixels
 /// that do not split so are in branch 0 only, or in 0 and 1 (in others their flags and their throughput are
 /// 0). At total reflection the whole weight goes on. Other splits follow the stronger side, and what is
 /// dropped is counted. The sample is Camera::sample_offset(sample, samples).
@@ -53,13 +55,17 @@ struct LayerRequest {
         glm::ivec2 size{1, 1};    ///< pixels
     };
     std::optional<Window> window = {};
+    /// Pixels to trace: those with any of these bits of PathSplits in `splits`, a layer's. Empty: all.
+    std::uint8_t only = 0;
+    std::span<const std::uint8_t> splits = {};
 };
 struct LayerCounts {
+    std::size_t paths = 0;         ///< pixels that were traced
     std::size_t split_pixels = 0;  ///< pixels whose path splits: branch 1 is worth tracing where this is > 0
     /// Pixels whose path splits again: branch + 2 is worth tracing where this is > 0.
     std::size_t split_again_pixels = 0;
     std::size_t dropped_splits = 0;  ///< later splits of which only one side is followed in any branch
-    double dropped_weight = 0;       ///< sum of the throughput so dropped (mean over channels)
+    double dropped_weight = 0;  ///< sum of the shares of pixels' radiance so dropped (mean over channels)
     std::size_t longest_chain_hits = 0;
 };
 

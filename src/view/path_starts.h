@@ -23,6 +23,7 @@ struct Path {
     double pixel_width = 0;  ///< m, of the beam at the camera
     double length = 0;       ///< m, of the way so far
     int events = 0;
+    double index = 1;              ///< of refraction of the medium that it starts in
     bool in_water = false;         ///< false within a body of glass
     std::uint32_t body = kNoBody;  ///< the object of glass that it travels in
     bool split = false;            ///< it has met a Fresnel split

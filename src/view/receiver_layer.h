@@ -15,6 +15,12 @@ enum ReceiverFlags : std::uint32_t {
     kInGlass = 1u << 5,          ///< the receiver lies in a body of glass (and neither in water nor in air)
 };
 
+/// Where a camera path splits.
+enum PathSplits : std::uint8_t {
+    kSplits = 1u << 0,       ///< branch 1 has a path too
+    kSplitsAgain = 1u << 1,  ///< branch + 2 has a path too; of branches 0 and 1
+};
+
 /// One camera path a pixel, at one sub-pixel offset (`sample`) and one choice at its Fresnel splits
 /// (`branch`): always an image, row-major from the top left, width * height entries an array. Positions are
 /// m, relative to FrameScene::origin.
@@ -24,6 +30,7 @@ struct ReceiverLayer {
     int sample = 0;
     int branch = 0;
     std::vector<std::uint32_t> flags;      ///< ReceiverFlags
+    std::vector<std::uint8_t> splits;      ///< PathSplits: which other branches the pixel has
     std::vector<std::uint32_t> object;     ///< index into FrameState::objects
     std::vector<std::uint32_t> primitive;  ///< as rays::Hit
     std::vector<glm::vec3> position;

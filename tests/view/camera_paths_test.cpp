@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -236,8 +238,7 @@ TEST(CameraPaths, LaterSplitsFollowTheStrongerSideAndCountTheRest) {
     const glm::dvec3 expected =
         crossing.transmittance * crossing.transmittance * absorbed(water, 2 / crossing.cos_t);
     EXPECT_EQ(counts.dropped_splits, 64u);
-    const glm::dvec3 inside =
-        crossing.transmittance / (kIndex * kIndex) * absorbed(water, 2 / crossing.cos_t);
+    const glm::dvec3 inside = crossing.transmittance * absorbed(water, 2 / crossing.cos_t);
     const double dropped = (1 - crossing.transmittance) * (inside.x + inside.y + inside.z) / 3;
     EXPECT_NEAR(counts.dropped_weight, 64 * dropped, 1e-6 * 64 * dropped);
     for (std::size_t i = 0; i < layer.pixels(); ++i) {
@@ -424,6 +425,38 @@ TEST(CameraPaths, MeshesInterpolateNormalsAndTexture) {
             EXPECT_EQ(layer.geometric_normal[i], glm::vec3(0, 1, 0));
             EXPECT_NEAR(layer.uv_width[i], 3 * 0.05, 1e-6);  // a pixel is 5 cm
         }
+    }
+}
+
+TEST(CameraPaths, OfOnlyThePixelsThatSplitAreTheSame) {
+    ViewScene scene(64, 48);
+    scene.look({0, 0.6, 2.5}, {0, 0.3, 0});
+    scene.fill(test::wavy_water(6, 60), 6);
+    scene.add_floor(-2);
+    scene::Object& ball = scene.add(scene::Shape::sphere, {0, 0.5, 0});
+    ball.radius = 0.4;
+    ball.material.glass = true;
+    const rays::RayScene rays(scene.frame);
+    LayerCounts counts;
+    std::array<std::vector<std::uint8_t>, kBranches> splits;
+    splits[0] = scene.trace(0, &counts).splits;
+    EXPECT_EQ(counts.paths, 64u * 48u);
+    for (const int branch : {1, 2, 3}) {
+        const auto b = static_cast<std::size_t>(branch);
+        const ReceiverLayer all = scene.trace(branch);
+        LayerRequest request{0, branch};
+        request.only = branch == 1 ? kSplits : kSplitsAgain;
+        request.splits = splits[branch == 3 ? 1 : 0];
+        const ReceiverLayer some = trace_layer(scene.frame, rays, request, counts);
+        splits[b] = some.splits;
+        const auto asked = std::count_if(request.splits.begin(), request.splits.end(),
+                                         [&](std::uint8_t s) { return (s & request.only) != 0; });
+        EXPECT_EQ(counts.paths, static_cast<std::size_t>(asked));
+        EXPECT_GT(asked, 0) << branch;
+        EXPECT_LT(asked, 64 * 48) << branch;
+        EXPECT_EQ(some.flags, all.flags) << branch;
+        EXPECT_EQ(some.throughput, all.throughput) << branch;
+        EXPECT_EQ(some.position, all.position) << branch;
     }
 }
 
