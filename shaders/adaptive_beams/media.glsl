@@ -5,8 +5,8 @@ layout(scalar, binding = 5) readonly buffer Media {
     DrawnMedium media[];
 };
 layout(scalar, binding = 6) readonly buffer RayColumns { float ray_columns[]; };      // an entry a pixel
-layout(scalar, binding = 7) readonly buffer LightColumns { float light_columns[]; };  // the first one: no medium
-layout(scalar, binding = 8) readonly buffer Entries { uvec3 entries[]; };  // of light_columns, of each beam's rays
+layout(scalar, binding = 7) readonly buffer LightColumns { float light_columns[]; };  // an entry a ray
+layout(scalar, binding = 8) readonly buffer Rays { BeamRays rays_of[]; };             // a beam
 
 // m: integrals of density along the camera ray of the pixel whose entry begins at `entry`, up to three places.
 vec3 columns_along_ray(uint medium, uint entry, vec3 t) {
@@ -18,11 +18,31 @@ vec3 columns_along_ray(uint medium, uint entry, vec3 t) {
                vec3(ray_columns[before.x + 1u], ray_columns[before.y + 1u], ray_columns[before.z + 1u]), share);
 }
 
-// The same along a ray of the beam.
+// The same along a ray of light.
 float light_column(uint places, uint at, float below) {
     float place = clamp((below - light_columns[at]) * light_columns[at + 1u], 0.0, float(places - 1u));
     uint before = min(uint(place), places - 2u);
     return mix(light_columns[at + 2u + before], light_columns[at + 3u + before], place - float(before));
+}
+
+// The three rays of a beam's lattice about a place, and its shares of them; without any there are no shares.
+struct Among {
+    uvec3 at;  // of their entries in light_columns
+    vec3 share;
+};
+
+Among among(int beam, vec3 share) {
+    BeamRays rays = rays_of[beam];
+    if (rays.cells == 0u) return Among(uvec3(0u), vec3(0.0));
+    uint n = rays.cells;
+    vec2 place = clamp(share.yz, 0.0, 1.0) * float(n);
+    uint i = min(uint(place.x), n - 1u), j = min(uint(place.y), n - 1u - i);
+    vec2 within = place - vec2(i, j);
+    uint row = rays.first + i * (2u * n + 3u - i) / 2u + j, next = row + n + 1u - i;
+    bool far = within.x + within.y > 1.0 && i + j + 2u <= n;
+    return Among((far ? uvec3(next + 1u, row + 1u, next) : uvec3(row, next, row + 1u)) * light_entry,
+                 far ? vec3(within.x + within.y - 1.0, 1.0 - within.x, 1.0 - within.y)
+                     : vec3(1.0 - within.x - within.y, within.x, within.y));
 }
 
 // The same of a box, on the way to a point; `light` a m of depth.
@@ -38,20 +58,21 @@ float box_column(uint medium, vec3 point, vec3 light, float below, float way) {
 }
 
 // Optical depth, a channel, of the way of light that is a mean of the beam's rays to a point, `below` m of depth and
-// `way` m after the last surface; `light` a m of depth. Along grids it is the mean of what the rays meet.
+// `way` m after the last surface; `light` a m of depth. Along grids it is the mean of what the rays
+// about it meet.
 vec3 light_depth(int beam, vec3 share, vec3 point, vec3 light, float below, float way) {
-    uvec3 rays = entries[beam] * light_entry;
+    Among rays = among(beam, share);
     vec3 sum = push.extinction * way;
     for (uint m = 0u; m < uint(media.length()); ++m) {
         uint places = media[m].light_places;
         float column = 0.0;
         if (places == 0u) {
             column = box_column(m, point, light, below, way);
-        } else {
-            uvec3 at = rays + media[m].light_first;
-            if (rays.x > 0u) column += share.x * light_column(places, at.x, below);
-            if (rays.y > 0u) column += share.y * light_column(places, at.y, below);
-            if (rays.z > 0u) column += share.z * light_column(places, at.z, below);
+        } else if (rays.share != vec3(0.0)) {
+            uvec3 at = rays.at + media[m].light_first;
+            column = rays.share.x * light_column(places, at.x, below) +
+                     rays.share.y * light_column(places, at.y, below) +
+                     rays.share.z * light_column(places, at.z, below);
         }
         sum += column * media[m].extinction;
     }

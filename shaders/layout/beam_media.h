@@ -28,6 +28,13 @@ struct MediaBody {
     uint grid;  // 1; 0: a box
 };
 
+// Rays of a beam along which columns of grids are known: a lattice in its barycentric coordinates. Ray (i, j)
+// has the shares (cells - i - j, i, j) / cells of the beam's three rays; j runs fastest, i + j <= cells.
+struct BeamRays {
+    uint first;  // entry
+    uint cells;  // along an edge; 0: the beam meets no grid
+};
+
 struct ColumnPush {
     uint lines;
     uint entry;      // floats of an entry

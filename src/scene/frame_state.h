@@ -146,6 +146,7 @@ struct AdaptiveBeamsParameters {
     /// One area function a beam, scan plane and mid-point, point-in-beam surface term, as in Liktor and
     /// Dachsbacher 2011; else exact intervals and an area function a vertex.
     bool paper_faithful = false;
+    double paper_low_pass = 0;  ///< with paper_faithful: pixels that E is blurred by, a standard deviation
 };
 
 struct ReferenceParameters {

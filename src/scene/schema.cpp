@@ -272,6 +272,12 @@ const Structure& caustics_schema() {
                 "paper_faithful", FieldKind::boolean,
                 "as Liktor and Dachsbacher 2011: one area function a beam, scan plane, mid-point")
                 .only_for({"adaptive_beams"}),
+            number<&Caustics::adaptive_beams, &AdaptiveBeamsParameters::paper_low_pass>(
+                "paper_low_pass", Dimension::number,
+                "with paper_faithful: pixels that light on surfaces is blurred by, a standard deviation")
+                .within(0, 100)
+                .constant()
+                .only_for({"adaptive_beams"}),
             number<&Caustics::reference, &ReferenceParameters::standard_error>(
                 "standard_error", Dimension::number,
                 "of E, mean over pixels over the mean of E, at which it ends")

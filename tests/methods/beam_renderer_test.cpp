@@ -10,6 +10,7 @@
 #include "closed_form/flat_scene.h"
 #include "gpu/validated_device.h"
 #include "methods/adaptive_beams/beam_renderer.h"
+#include "methods/adaptive_beams/low_pass.h"
 #include "methods/drawn_sheets.h"
 #include "view/camera.h"
 #include "view/camera_paths.h"
@@ -285,6 +286,57 @@ TEST(Paper, HasTheSameSumsUnderFlatWater) {
     // / 24.
     EXPECT_LT(std::max({s_error.x, s_error.y, s_error.z}), 0.01);
     EXPECT_LT(std::max({e_error.x, e_error.y, e_error.z}), 0.002);
+}
+
+TEST(LowPass, BlursByItsDeviationAmongThePixelsThatHaveLight) {
+    constexpr int kWidth = 41, kHeight = 35;
+    std::vector<glm::vec3> picture(kWidth * kHeight, glm::vec3(2));
+    std::vector<std::uint8_t> covered(picture.size(), 1);
+    for (std::size_t i = 0; i < picture.size(); i += 3) covered[i] = 0;
+    methods::adaptive_beams::low_pass(picture, covered, kWidth, 2.5);
+    // What is even stays even, up to the picture's edges and beside what has no light.
+    for (const glm::vec3& value : picture) EXPECT_NEAR(value.g, 2, 1e-5);
+    // A point becomes a Gaussian: its variance along both axes, and all of its light.
+    std::fill(picture.begin(), picture.end(), glm::vec3(0));
+    std::fill(covered.begin(), covered.end(), std::uint8_t{1});
+    picture[17 * kWidth + 20] = {0, 1, 0};
+    methods::adaptive_beams::low_pass(picture, covered, kWidth, 2.5);
+    double sum = 0, x2 = 0, y2 = 0;
+    for (int y = 0; y < kHeight; ++y)
+        for (int x = 0; x < kWidth; ++x) {
+            const double value = picture[static_cast<std::size_t>(y * kWidth + x)].g;
+            sum += value;
+            x2 += value * (x - 20) * (x - 20);
+            y2 += value * (y - 17) * (y - 17);
+        }
+    // Cut at four deviations: 6e-5 of the light and 1e-3 of the variance lie beyond.
+    EXPECT_NEAR(sum, 1, 2e-4);
+    EXPECT_NEAR(x2 / sum, 6.25, 0.02);
+    EXPECT_NEAR(y2 / sum, 6.25, 0.02);
+}
+
+TEST(LowPass, IsOfThePapersSurfaceTermAlone) {
+    scene::FrameScene scene = wavy_scene(40, 0.02);
+    scene.state.camera.target = scene.state.camera.position + glm::dvec3(0.6, -1, 0.1);
+    const rays::RayScene rays(scene);
+    const std::vector<BeamSet> sets = test::drawn_sheets(scene, rays, kFloor);
+    const auto drawn = [&](Shading shading, double deviation) {
+        scene.state.caustics.adaptive_beams.paper_low_pass = deviation;
+        return draw(scene, sets, VolumeKind::six_triangles, shading).sums;
+    };
+    const auto variance = [](const std::vector<glm::vec3>& values) {
+        double sum = 0, squares = 0;
+        for (const glm::vec3& value : values) {
+            sum += static_cast<double>(value.g);
+            squares += static_cast<double>(value.g) * static_cast<double>(value.g);
+        }
+        return squares / sum / sum * static_cast<double>(values.size()) - 1;
+    };
+    const BeamSums sharp = drawn(Shading::paper, 0), blurred = drawn(Shading::paper, 1.5);
+    EXPECT_EQ(blurred.scattered, sharp.scattered);
+    EXPECT_GT(variance(sharp.irradiance), 0.01);
+    EXPECT_LT(variance(blurred.irradiance), 0.7 * variance(sharp.irradiance));
+    EXPECT_EQ(drawn(Shading::exact, 1.5).irradiance, drawn(Shading::exact, 0).irradiance);
 }
 
 /// 32 W. All rays meet a line 1 m deep, and another 1 / `across` m deep; with 1 they meet in a point.

@@ -11,6 +11,7 @@
 #include "media/phase.h"
 #include "methods/adaptive_beams/bounded_beams.h"
 #include "methods/adaptive_beams/drawn_beams.h"
+#include "methods/adaptive_beams/low_pass.h"
 #include "methods/adaptive_beams/paper_beams.h"
 #include "spirv/adaptive_beams_beam_lobes_frag.h"
 #include "spirv/adaptive_beams_beam_lobes_listed_frag.h"
@@ -66,8 +67,8 @@ gpu::Buffer filled_buffer(gpu::Device& device, std::string_view name, const std:
 struct SetOnDevice {
     const BeamSet& set;
     gpu::Buffer beams, corners, turning, plain, listed, frame;
-    const BoundedSet* bounded;           ///< null: there are no bounded media on its side of the water
-    std::optional<gpu::Buffer> entries;  ///< of its beams' rays in bounded->light_columns
+    const BoundedSet* bounded;        ///< null: there are no bounded media on its side of the water
+    std::optional<gpu::Buffer> rays;  ///< of its beams, in bounded->light_columns
 };
 
 /// Pipelines for beams among bounded media.
@@ -181,9 +182,8 @@ void BeamRenderer::begin(const scene::FrameScene& scene, std::span<const BeamSet
                  filled_buffer(s.device, "axes of beams",
                                std::vector<BeamFrame>{{axes[0], axes[1], axes[2]}}),
                  bounded[i],
-                 bounded[i]
-                     ? std::optional(bounded[i]->entries_of(s.device, set, first_beam, part.beams.size()))
-                     : std::nullopt});
+                 bounded[i] ? std::optional(bounded[i]->rays_of(s.device, first_beam, part.beams.size()))
+                            : std::nullopt});
             in_paper_part = next;
             first_beam += part.beams.size();
         }
@@ -288,6 +288,13 @@ BeamSums BeamRenderer::render(const view::SegmentLayer* segments, const view::Re
     }
     for (int first = 0; first < clip.height; first += rows)
         s.render_rows(segments, receivers, first, std::min(rows, clip.height - first), sums, stats);
+    const double deviation = s.scene->state.caustics.adaptive_beams.paper_low_pass;
+    if (s.shading == Shading::paper && receivers && deviation > 0) {
+        const ScopedPass pass(stats, "low-pass");
+        std::vector<std::uint8_t> covered(count);
+        for (std::size_t i = 0; i < count; ++i) covered[i] = seen_directly(receivers->flags[i]) ? 1 : 0;
+        low_pass(sums.irradiance, covered, clip.width, deviation);
+    }
     return sums;
 }
 
@@ -331,7 +338,7 @@ void BeamRenderer::State::render_rows(const view::SegmentLayer* segments,
                 .images = {&pixels, &normals, &faces}};
             if (set.bounded)
                 bindings.buffers.insert(bindings.buffers.end(), {&set.bounded->media, &columns->values,
-                                                                 &set.bounded->light_columns, &*set.entries});
+                                                                 &set.bounded->light_columns, &*set.rays});
             bindings.set_push(push(set.set, offset, first_row));
             passes.draw("beam raster", pipeline(set, listed), std::move(bindings), targets,
                         {.vertices = static_cast<std::uint32_t>(indices.bytes() / sizeof(std::uint32_t)),

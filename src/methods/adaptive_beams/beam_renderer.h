@@ -25,7 +25,7 @@ inline bool seen_directly(std::uint32_t flags) {
 /// How beams are shaded.
 enum class Shading {
     exact,  ///< exact intervals along rays, densities continuous from beam to beam
-    paper,  ///< as Liktor and Dachsbacher 2011, section 5
+    paper,  ///< as Liktor and Dachsbacher 2011, section 5; E is blurred by `paper_low_pass`
 };
 
 /// Sums of one layer, a value a pixel.

@@ -17,6 +17,8 @@ namespace {
 static_assert(sizeof(layout::DrawnMedium) == 116);
 
 constexpr std::size_t kTile = 1 << 12;
+/// Of a beam's lattice of rays, along an edge.
+constexpr std::uint32_t kMostCells = 8;
 
 bool is_lobes(scene::PhaseType type) {
     return type == scene::PhaseType::isotropic || type == scene::PhaseType::henyey_greenstein ||
@@ -59,12 +61,10 @@ glm::vec3 lobes_of(const scene::PhaseFunction& phase) {
 PhaseTables::PhaseTables(gpu::Device& device, const media::Media& media)
     : values_(filled(device, "phase functions", phase_values(media, first_))) {}
 
-gpu::Buffer BoundedSet::entries_of(gpu::Device& device, const BeamSet& set, std::size_t first,
-                                   std::size_t count) const {
-    std::vector<glm::uvec3> entries(count);
-    for (std::size_t i = 0; i < count; ++i)
-        for (int k = 0; k < 3; ++k) entries[i][k] = entry[set.triangles[first + i][k]];
-    return filled(device, "columns of beams", entries);
+gpu::Buffer BoundedSet::rays_of(gpu::Device& device, std::size_t first, std::size_t count) const {
+    const auto begin = rays.begin() + static_cast<std::ptrdiff_t>(first);
+    return filled(device, "rays of beams",
+                  std::vector<layout::BeamRays>(begin, begin + static_cast<std::ptrdiff_t>(count)));
 }
 
 BoundedBeams::BoundedBeams(gpu::Device& device, std::uint64_t largest_buffer)
@@ -84,38 +84,87 @@ std::uint32_t BoundedBeams::ray_entry() const {
     return std::max(rays_[0].entry, rays_[1].entry);
 }
 
-const BoundedSet& BoundedBeams::add(const BeamSet& set, FrameStats& stats) {
-    auto pass = std::make_unique<ScopedPass>(stats, "columns of media");
-    std::vector<std::uint32_t> entry(set.vertices.size(), 0);
-    const auto line_of = [&](const BeamSet::Vertex& v) {
-        const glm::dvec3 slope(v.slope_a, v.slope_b, 1);
-        const glm::dvec3 start = glm::dvec3(v.a, v.b, 0) + static_cast<double>(v.start) * slope;
-        return layout::MediaLine{set.world_from_mesh * start, set.world_from_mesh * slope, 0, v.end - v.start,
-                                 set.in_water ? 1.0f : 0.0f};
+/// Rays of beams, and in `beams` which are whose: so many that they are two voxels apart, but `most` cells
+/// along an edge; none of beams that meet no grid.
+std::vector<layout::MediaLine> BoundedBeams::rays_of_beams(const BeamSet& set, double voxel,
+                                                           std::uint32_t most,
+                                                           std::vector<layout::BeamRays>& beams) const {
+    const auto meets_grid = [&](const glm::dvec3& origin, const glm::dvec3& direction, double length) {
+        const std::vector<media::Part>& parts = media_->parts();
+        for (std::size_t i = 0; i < parts.size(); ++i)
+            if (parts[i].on(set.in_water) && !columns_.is_box(i) &&
+                !parts[i].body.overlap(origin, direction, length).empty())
+                return true;
+        return false;
     };
-    parallel_for(entry.size(), kTile, [&](std::size_t begin, std::size_t end) {
+    const std::size_t tiles = (beams.size() + kTile - 1) / kTile;
+    std::vector<std::vector<layout::MediaLine>> of_tile(tiles);
+    parallel_for(beams.size(), kTile, [&](std::size_t begin, std::size_t end) {
+        std::vector<layout::MediaLine>& lines = of_tile[begin / kTile];
         for (std::size_t i = begin; i < end; ++i) {
-            const layout::MediaLine line = line_of(set.vertices[i]);
-            const glm::dvec3 direction(line.direction);
-            const double stretch = glm::length(direction);
-            entry[i] = media_->may_meet(glm::dvec3(line.origin), direction / stretch,
-                                        static_cast<double>(line.end) * stretch, set.in_water)
-                           ? 1
-                           : 0;
+            glm::dvec3 start[3], slope[3], stop[3];
+            double length[3];
+            for (int k = 0; k < 3; ++k) {
+                const BeamSet::Vertex& v = set.vertices[set.triangles[i][k]];
+                slope[k] = {v.slope_a, v.slope_b, 1};
+                start[k] = glm::dvec3(v.a, v.b, 0) + static_cast<double>(v.start) * slope[k];
+                length[k] = static_cast<double>(v.end) - static_cast<double>(v.start);
+                stop[k] = start[k] + length[k] * slope[k];
+            }
+            double width = 0;
+            for (int k = 0; k < 3; ++k)
+                width = std::max({width, glm::distance(start[k], start[(k + 1) % 3]),
+                                  glm::distance(stop[k], stop[(k + 1) % 3])});
+            const auto cells = static_cast<std::uint32_t>(
+                std::clamp(std::ceil(width / (2 * voxel)), 1.0, static_cast<double>(most)));
+            const std::size_t first = lines.size();
+            bool meets = false;
+            for (std::uint32_t a = 0; a <= cells; ++a)
+                for (std::uint32_t b = 0; a + b <= cells; ++b) {
+                    const glm::dvec3 share = glm::dvec3(cells - a - b, a, b) / static_cast<double>(cells);
+                    const auto mean = [&](const glm::dvec3(&of)[3]) {
+                        return set.world_from_mesh * (share.x * of[0] + share.y * of[1] + share.z * of[2]);
+                    };
+                    const glm::dvec3 origin = mean(start), direction = mean(slope);
+                    const double end_of_ray = share.x * length[0] + share.y * length[1] + share.z * length[2];
+                    const double stretch = glm::length(direction);
+                    meets = meets || meets_grid(origin, direction / stretch, end_of_ray * stretch);
+                    lines.push_back(
+                        {origin, direction, 0, static_cast<float>(end_of_ray), set.in_water ? 1.0f : 0.0f});
+                }
+            beams[i] = {static_cast<std::uint32_t>(first), meets ? cells : 0};
+            if (!meets) lines.resize(first);
         }
     });
-    std::vector<layout::MediaLine> lines(1,
-                                         layout::MediaLine{{}, {0, 1, 0}, 0, 0, set.in_water ? 1.0f : 0.0f});
-    for (std::size_t i = 0; i < entry.size(); ++i) {
-        if (entry[i] == 0) continue;
-        entry[i] = static_cast<std::uint32_t>(lines.size());
-        lines.push_back(line_of(set.vertices[i]));
+    std::vector<layout::MediaLine> all;
+    for (std::size_t tile = 0; tile < tiles; ++tile) {
+        for (std::size_t i = tile * kTile; i < std::min(beams.size(), (tile + 1) * kTile); ++i)
+            beams[i].first += static_cast<std::uint32_t>(all.size());
+        all.insert(all.end(), of_tile[tile].begin(), of_tile[tile].end());
     }
-    // Where there are very many rays, fewer places on each.
+    return all;
+}
+
+const BoundedSet& BoundedBeams::add(const BeamSet& set, FrameStats& stats) {
+    auto pass = std::make_unique<ScopedPass>(stats, "columns of media");
+    // Where there are very many rays, fewer of them, and then fewer places on each.
     ColumnTable light = columns_.table(set.in_water, MediaColumns::kPlaces, false);
-    const auto bytes = [&] { return std::uint64_t{light.entry} * lines.size() * sizeof(float); };
-    for (std::uint32_t places = MediaColumns::kPlaces; places > 2 && bytes() > largest_buffer_; places /= 2)
-        light = columns_.table(set.in_water, places / 2, false);
+    double voxel = 0;
+    for (const ColumnTable::Column& column : light.columns)
+        if (column.places > 0) {
+            const auto step = static_cast<double>(columns_.step(column.part));
+            voxel = voxel > 0 ? std::min(voxel, step) : step;
+        }
+    std::vector<layout::BeamRays> beams(set.triangles.size(), layout::BeamRays{0, 0});
+    std::vector<layout::MediaLine> lines;
+    const auto bytes = [&](std::size_t count) { return std::uint64_t{light.entry} * count * sizeof(float); };
+    for (std::uint32_t most = kMostCells; most > 0 && voxel > 0; most /= 2) {
+        lines = rays_of_beams(set, voxel, most, beams);
+        if (bytes(lines.size()) <= largest_buffer_) break;
+    }
+    for (std::uint32_t places = MediaColumns::kPlaces / 2;
+         places >= 2 && bytes(lines.size()) > largest_buffer_; places /= 2)
+        light = columns_.table(set.in_water, places, false);
 
     const ColumnTable& rays = rays_[set.in_water];
     const std::uint32_t head[] = {ray_entry(), light.entry};
@@ -154,12 +203,14 @@ const BoundedSet& BoundedBeams::add(const BeamSet& set, FrameStats& stats) {
     std::copy_n(head, 2, media.as<std::uint32_t>().begin());
     std::memcpy(static_cast<std::byte*>(media.data()) + sizeof(head), drawn.data(),
                 drawn.size() * sizeof(layout::DrawnMedium));
-    BoundedSet& added = sets_.emplace_back(BoundedSet{
-        std::move(media),
-        gpu::Buffer(device_, "columns along light", std::max<std::uint64_t>(bytes(), sizeof(float))),
-        std::move(entry)});
+    BoundedSet& added = sets_.emplace_back(
+        BoundedSet{std::move(media),
+                   gpu::Buffer(device_, "columns along light",
+                               std::max<std::uint64_t>(bytes(lines.size()), sizeof(float))),
+                   std::move(beams)});
     const gpu::Buffer uploaded = filled(device_, "rays of light", lines);
     pass.reset();
+    if (lines.empty()) return added;
     gpu::PassList passes(device_);
     columns_.add(passes, light, set.in_water, uploaded, lines.size(), added.light_columns, light.entry);
     passes.run(stats);

@@ -8,6 +8,7 @@
 #include "base/stats.h"
 #include "gpu/device.h"
 #include "gpu/pass_list.h"
+#include "layout/beam_media.h"
 #include "media/media.h"
 #include "methods/adaptive_beams/beam_set.h"
 #include "methods/adaptive_beams/media_columns.h"
@@ -35,13 +36,12 @@ private:
 
 /// What draws of a set among bounded media bind, beside what all do.
 struct BoundedSet {
-    gpu::Buffer media;                 ///< two words of entry sizes, and layout::DrawnMedium
-    gpu::Buffer light_columns;         ///< columns along the set's rays
-    std::vector<std::uint32_t> entry;  ///< in these, a vertex; 0: it meets no medium
+    gpu::Buffer media;                   ///< two words of entry sizes, and layout::DrawnMedium
+    gpu::Buffer light_columns;           ///< columns along rays of the set's beams
+    std::vector<layout::BeamRays> rays;  ///< a beam
 
-    /// Those of the rays of beams of the set, three a beam.
-    gpu::Buffer entries_of(gpu::Device& device, const BeamSet& set, std::size_t first,
-                           std::size_t count) const;
+    /// Of some of its beams.
+    gpu::Buffer rays_of(gpu::Device& device, std::size_t first, std::size_t count) const;
 };
 
 /// Columns along the camera rays of a part of a picture.
@@ -58,8 +58,8 @@ public:
     /// A frame's media, which must outlive their use.
     void begin(const scene::FrameScene& scene, const media::Media& media, const PhaseTables& phases,
                FrameStats& stats);
-    /// Finds the columns along a set's rays, cached a vertex at so many depths. The result lives to the next
-    /// begin().
+    /// Finds the columns of grids along rays of a set's beams, about two voxels apart, at so many depths. The
+    /// result lives to the next begin().
     const BoundedSet& add(const BeamSet& set, FrameStats& stats);
     /// Floats of a pixel's columns.
     std::uint32_t ray_entry() const;
@@ -69,6 +69,9 @@ public:
     void add_passes(gpu::PassList& passes, const RayColumns& columns) const;
 
 private:
+    std::vector<layout::MediaLine> rays_of_beams(const BeamSet& set, double voxel, std::uint32_t most,
+                                                 std::vector<layout::BeamRays>& beams) const;
+
     gpu::Device& device_;
     std::uint64_t largest_buffer_;
     MediaColumns columns_;
