@@ -2,7 +2,7 @@
 //   scatter_flicker TIMELINE FOLDER FIRST LAST STANDARD_ERROR SAMPLES [PATH=VALUE]...
 // S is what pixels of 96 x 54 receive along the camera's first branch; the second, of what the surface
 // mirrors, costs the reference many times as much as all the rest. Frames of the reference, by one camera
-// path a pixel that stands for all of it and two million rays at most, are kept in FOLDER and used again.
+// path a pixel that stands for all of it and eight million rays at most, are kept in FOLDER and used again.
 // `sliced_beams` is asked by SAMPLES camera paths a pixel and with the overrides of the timeline that are
 // given.
 #include <algorithm>
@@ -94,7 +94,7 @@ void compare(const Arguments& arguments) {
     const auto by_reference = timeline::Timeline::load(
         arguments.timeline,
         {kResolution, "clip.samples=1",
-         "caustics={method: reference, standard_error: " + arguments.standard_error + ", most_rays: 2}"});
+         "caustics={method: reference, standard_error: " + arguments.standard_error + ", most_rays: 8}"});
     std::vector<std::string> overrides = {kResolution, "clip.samples=" + arguments.samples,
                                           "caustics={method: sliced_beams}"};
     overrides.insert(overrides.end(), arguments.overrides.begin(), arguments.overrides.end());
