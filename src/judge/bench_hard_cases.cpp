@@ -93,11 +93,12 @@ void compare(CaseVerdict& verdict, const CaseRun& run, const ErrorJudge& judge, 
         return;
     }
     // What a plan says of receivers explains light that is missing because they are left out; where the
-    // method answers its light must be right. Where it answers nowhere the plan names the paths that it
-    // leaves out.
+    // method answers its light must be right. Where it answers nowhere the plan names the paths or
+    // receivers that it leaves out.
     std::string why;
     if (errors.compared == 0) {
         why = left_out(plan());
+        if (why.empty()) why = run.partly();
     } else if (errors.compared < kWhole) {
         const double there = energy_tolerance(judge.noise(), errors.compared);
         verdict.reason += ", where it answers " + change(errors.bias) + " of ±" + percent(there) + " %";

@@ -220,6 +220,24 @@ TEST(AdaptiveBeams, IrradianceBelowABall) {
     EXPECT_LT(std::abs(r[4].bias), 0.01);
 }
 
+#if !DAPPLE_LONG
+TEST(AdaptiveBeams, ScatteredLightBelowABallAboveWaves) {
+    Case c{wavy_pool(1), {{0, Event::transmission, 1}}};
+    c.state.camera.target = {0, -0.7, 0};
+    c.state.camera.field_of_view = 40 * scene::kDegree;
+    c.state.water->scattering = glm::dvec3(0.1);
+    c.state.objects.push_back(glass_ball({-0.5, 0.6, 0}, 0.3));
+    c.state.caustics.reference = {0.06, 2};
+    const std::vector<Row> r =
+        rows("murky waves below a ball", c, {{16, 0, 2}, {16, 1, 2}, {16, 3, 2}}, true);
+    // The ball's light narrows to a focus that few cells know little of.
+    EXPECT_LT(r[1].l1, 0.6 * r[0].l1);
+    EXPECT_LT(std::abs(r[1].bias), 0.5 * std::abs(r[0].bias));
+    EXPECT_LT(r[2].l1, 1.5 * r[2].noise);
+    EXPECT_LT(std::abs(r[2].bias), 0.015);
+}
+#endif
+
 TEST(AdaptiveBeams, IrradianceBelowABallAboveWaves) {
     Case c{wavy_pool(1), {{0, Event::transmission, 1}}};
     c.state.camera.target = {0, -1, 0};
