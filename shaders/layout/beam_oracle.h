@@ -12,6 +12,7 @@ struct OracleWay {
     float reach;     // m, to where it ends
     float share;     // of the light that it carries, mean over channels
     uint path;       // of the surfaces that it met; 0: there is no such leg
+    uint in_water;   // 1 where it is in the water
 };
 
 // A ray of the light.
@@ -43,14 +44,24 @@ struct OracleTexel {
 };
 
 struct OraclePush {
-    vec3 camera;         // m
-    float pixel_angle;   // rad a pixel; 0 for an orthographic camera
-    float pixel_size;    // m a pixel of an orthographic camera; 0 otherwise
-    float transmission;  // rad that a transmitted ray turns for a rad of the surface's normal
-    float reflection;    // rad that a reflected one does
-    uint texels;         // along each side of the light's view
-    uint count;          // of invocations with something to do
-    uint textured;       // 1: the light is a spot that throws a picture
+    vec3 camera;          // m
+    vec3 right;           // unit, of the picture; world space
+    vec3 up;              // unit
+    vec3 forward;         // unit
+    vec2 half_tangent;    // of the view's angles to the right and up; 0 for an orthographic camera
+    vec2 half_size;       // m, of an orthographic camera's view; 0 otherwise
+    float pixel_angle;    // rad a pixel; 0 for an orthographic camera
+    float pixel_size;     // m a pixel of an orthographic camera; 0 otherwise
+    float extinction;     // /m, of water about the camera, least of the channels; 0: it is in the air
+    float tolerance;      // pixels that landing points may be off in narrow beams
+    float least_outline;  // pixels: of cells that are split at outlines
+    float texel_size;     // m that a texel of the light's view is wide; 0 for a lamp
+    float texel_angle;    // rad, for a lamp; 0 for a sun
+    float transmission;   // rad that a transmitted ray turns for a rad of the surface's normal
+    float reflection;     // rad that a reflected one does
+    uint texels;          // along each side of the light's view
+    uint count;           // of invocations with something to do
+    uint textured;        // 1: the light is a spot that throws a picture
 };
 
 LAYOUT_END

@@ -142,6 +142,9 @@ struct SlicedBeamsParameters {
 struct AdaptiveBeamsParameters {
     int grid = 16;        ///< cells along each side of a light's view before any is split
     int levels = 3;       ///< times that a cell may be split
+    /// Pixels that light may land off its place in beams narrower than two pixels, half-widths of a beam in
+    /// others: cells are split until then. What the camera does not see is not split.
+    double tolerance = 0.05;
     int sun_samples = 1;  ///< equal parts of a sun's disc, each traced by its middle
     /// One area function a beam, scan plane and mid-point, point-in-beam surface term, as in Liktor and
     /// Dachsbacher 2011; else exact intervals and an area function a vertex.

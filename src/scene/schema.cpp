@@ -262,7 +262,15 @@ const Structure& caustics_schema() {
                 .only_for({"adaptive_beams"}),
             integral<&Caustics::adaptive_beams, &AdaptiveBeamsParameters::levels>(
                 "levels", FieldKind::integer, "times that a cell may be split")
-                .within(0, 8)
+                .within(0, 12)
+                .only_for({"adaptive_beams"}),
+            number<&Caustics::adaptive_beams, &AdaptiveBeamsParameters::tolerance>(
+                "tolerance", Dimension::number,
+                "pixels (of beams wider than two: half their widths) that light may land off its place; "
+                "cells are "
+                "split until then")
+                .within(0.001, 100)
+                .constant()
                 .only_for({"adaptive_beams"}),
             integral<&Caustics::adaptive_beams, &AdaptiveBeamsParameters::sun_samples>(
                 "sun_samples", FieldKind::integer, "equal parts of a sun's disc, each traced by its middle")

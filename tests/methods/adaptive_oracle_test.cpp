@@ -76,7 +76,7 @@ TEST(AdaptiveOracle, ShaderAndCodeSayTheSame) {
         task.vertices.push_back(v);
         for (std::uint32_t w = 0; w < kOracleWays; ++w)
             task.ways.push_back({point(), glm::normalize(glm::vec3(0, -9, 0) + point()), 2 * random(),
-                                 random(), (i + w) % 5 == 0 ? 0u : 1u});
+                                 random(), (i + w) % 5 == 0 ? 0u : 1u, 1u});
     }
     const auto any = [&] { return static_cast<std::uint32_t>(random() * kVertices); };
     for (int i = 0; i < 6000; ++i) task.edges.push_back({any(), any(), any()});
@@ -85,7 +85,15 @@ TEST(AdaptiveOracle, ShaderAndCodeSayTheSame) {
         task.triangles.push_back({{any(), any(), any()}, {e, e + 1, e + 2}});
     }
     task.settings.camera = {0, 1, 20};
+    task.settings.right = {1, 0, 0};
+    task.settings.up = {0, 1, 0};
+    task.settings.forward = {0, 0, -1};
+    task.settings.half_tangent = {0.1F, 0.1F};
     task.settings.pixel_angle = 0.03F;
+    task.settings.extinction = 0.02F;
+    task.settings.tolerance = 1;
+    task.settings.least_outline = 0.5F;
+    task.settings.texel_size = 0.02F;
     task.settings.transmission = 0.25F;
     task.settings.reflection = 2;
     task.settings.texels = 64;
@@ -129,22 +137,51 @@ TEST(AdaptiveOracle, ShaderAndCodeSayTheSame) {
 bool splits(float width, float error, float camera, float share) {
     const auto way = [&](float x, float end) {
         const glm::vec3 d = glm::normalize(glm::vec3(end - x, -1, 0));
-        return layout::OracleWay{{x, 0, 0}, d, 1, share, 1};
+        return layout::OracleWay{{x, 0, 0}, d, 1, share, 1, 0};
     };
     layout::OraclePush push{};
     push.camera = {0, -1, camera};
     push.pixel_angle = 1e-3F;
+    push.tolerance = 0.05F;
     return way_bends(way(-0.05F, -0.5F * width), way(0.05F, 0.5F * width), way(0, error), push);
 }
 
 TEST(AdaptiveOracle, SplitsWhatConvergesIsStrongOrIsNear) {
-    // At 4 m a pixel is 4 mm: errors of 5 mm are seen in beams that keep their width, of 3 mm not.
-    EXPECT_TRUE(splits(0.1F, 0.005F, 4, 1));
-    EXPECT_FALSE(splits(0.1F, 0.003F, 4, 1));
-    EXPECT_TRUE(splits(0.05F, 0.003F, 4, 1));     // converges
-    EXPECT_FALSE(splits(0.4F, 0.005F, 4, 1));     // diverges
-    EXPECT_FALSE(splits(0.1F, 0.005F, 4, 0.5F));  // is weaker
-    EXPECT_TRUE(splits(0.1F, 0.003F, 2, 1));      // is nearer
+    // 10 cm wide, and off by less than a twentieth of half of it.
+    EXPECT_TRUE(splits(0.1F, 0.003F, 4, 1));
+    EXPECT_FALSE(splits(0.1F, 0.002F, 4, 1));
+    EXPECT_TRUE(splits(0.05F, 0.002F, 4, 1));     // converges
+    EXPECT_FALSE(splits(0.4F, 0.003F, 4, 1));     // diverges
+    EXPECT_FALSE(splits(0.1F, 0.003F, 4, 0.5F));  // is weaker
+    // A pixel is 4 mm at 4 m, and 2 mm at 2 m.
+    EXPECT_FALSE(splits(0.002F, 0.00015F, 4, 1));
+    EXPECT_TRUE(splits(0.002F, 0.00015F, 2, 1));
+}
+
+TEST(AdaptiveOracle, LeavesWhatTheCameraDoesNotSee) {
+    // A leg of 2 m along -z before an eye that looks along -z with 45 degrees to all sides.
+    layout::OracleWay way{{0, 0, -1}, {0, 0, -1}, 2, 1, 1, 1};
+    layout::OraclePush push{};
+    push.right = {1, 0, 0};
+    push.up = {0, 1, 0};
+    push.forward = {0, 0, -1};
+    push.half_tangent = {1, 1};
+    push.pixel_angle = 0.01F;
+    EXPECT_TRUE(in_view(way, 0.1F, push));
+    for (const glm::vec3 start : {glm::vec3(4, 0, -1), {-4, 0, -1}, {0, 4, -1}, {0, 0, 3}}) {
+        way.start = start;
+        EXPECT_FALSE(in_view(way, 0.1F, push));
+        EXPECT_TRUE(in_view(way, 4, push));
+    }
+    // From one side to the other, through the view.
+    way = {{-4, 0, -2}, {1, 0, 0}, 8, 1, 1, 1};
+    EXPECT_TRUE(in_view(way, 0.1F, push));
+    // Water between dims what is there, and so makes pixels wide: at 5 m two optical depths of 0.4 / m.
+    push.extinction = 0.4F;
+    EXPECT_NEAR(pixel_at({0, 0, -5}, 0, 1, push), 0.05F * std::exp(2.0F), 1e-5);
+    EXPECT_NEAR(pixel_at({0, 0, -5}, 0, 0, push), 0.05F, 1e-6);
+    // A wide cell there may reach the camera.
+    EXPECT_NEAR(pixel_at({0, 0, -5}, 6, 1, push), 0.01F * kNearestToCamera, 1e-6);
 }
 
 TEST(AdaptiveOracle, NearCamerasAskForMoreBeams) {

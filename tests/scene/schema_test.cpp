@@ -134,7 +134,7 @@ TEST(Schema, ReferenceTellsWhichMethodAKeyIsFor) {
     const std::string reference = key_reference();
     for (const char* line :
          {"  method: sliced_beams, photon_splatting, reference, adaptive_beams, default ",
-          "  levels: whole number, >= 0, <= 8, default 3 [method: adaptive_beams]\n",
+          "  levels: whole number, >= 0, <= 12, default 3 [method: adaptive_beams]\n",
           "  sun_samples: whole number, >= 1, <= 1024, default 1 [method: sliced_beams]\n",
           "  path_counts: true or false, default true [method: sliced_beams]\n",
           "  standard_error: number (%), > 0, default 0.01 [method: reference]\n",

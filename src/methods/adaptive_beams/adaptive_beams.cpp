@@ -6,6 +6,7 @@
 
 #include "methods/adaptive_beams/beam_renderer.h"
 #include "methods/adaptive_beams/make_beams.h"
+#include "methods/adaptive_beams/refinement.h"
 
 namespace dapple::methods {
 
@@ -68,6 +69,9 @@ std::size_t AdaptiveBeams::bytes(const scene::FrameState& state, std::size_t pix
     const double columns = media > 0 ? 0x1p27 : 0, a_column = 0.5 * media * sizeof(float) * 66;
     const scene::AdaptiveBeamsParameters& parameters = state.caustics.adaptive_beams;
     const double side = static_cast<double>(parameters.grid) * static_cast<double>(1 << parameters.levels);
+    const double coarse = 2 * static_cast<double>(parameters.grid) * parameters.grid;
+    const double triangles =
+        std::min(2 * side * side, std::max(coarse, static_cast<double>(adaptive_beams::kMostTriangles)));
     double bodies = state.water ? 1 : 0, views = 0;
     for (const scene::Object& object : state.objects) bodies += object.material.glass ? 1 : 0;
     for (const scene::Light& light : state.lights)
@@ -75,10 +79,10 @@ std::size_t AdaptiveBeams::bytes(const scene::FrameState& state, std::size_t pix
     const double legs = scene::has_glass(state) ? 3 : 1;
     const double colors = state.water && state.water->dispersion != 0 ? 3 : 1;
     const double texels = 48 * std::min(4 * side * side, 2048.0 * 2048);
-    const double beams = bodies * views * 2 * colors * legs * 2 * side * side;
+    const double beams = bodies * views * 2 * colors * legs * triangles;
     return static_cast<std::size_t>(std::min(0x1p61, a_pixel * static_cast<double>(pixels) + texels +
-                                                         2 * a_ray * side * side +
-                                                         beams * (a_beam + a_column) + columns));
+                                                         a_ray * 2 * triangles + beams * (a_beam + a_column) +
+                                                         columns));
 }
 
 void AdaptiveBeams::begin(FrameContext& context) {

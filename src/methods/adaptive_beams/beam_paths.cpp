@@ -215,7 +215,7 @@ void PathTracer::start(std::size_t vertex, const Way& way, const Meeting& meetin
     // Light of a lamp within another body meets nothing before that one.
     const bool enclosed = way.inside >= 0 && object != way.inside;
     record.on_body = (water ? light::kWater : object) == body_ && from_light && !enclosed;
-    if (!record.on_body || next == nullptr) return;
+    if (!record.on_body) return;
 
     const bool leaves_glass = way.inside >= 0;
     const bool beyond_in_water = leaves_glass ? water_outside(meeting.point) : water && !way.in_water;
@@ -237,7 +237,7 @@ void PathTracer::start(std::size_t vertex, const Way& way, const Meeting& meetin
         const double share = through ? crossing.transmittance : crossing.reflectance;
         LightPath& path = record.paths[static_cast<std::size_t>(event)];
         path.entry = glm::dvec3(share);
-        if (!(share > 0)) continue;
+        if (!(share > 0) || next == nullptr) continue;
         if (arriving != glm::dvec3(1))
             path.losses.push_back(
                 {leaves_glass ? Cause::glass_absorption : Cause::media, 0, share * (1.0 - arriving)});
@@ -268,18 +268,25 @@ void PathTracer::leave_glass(Way way, const Meeting& meeting, LightPath& path, s
     const scene::Material& glass = scene_.state.objects[meeting.hit.object].material;
     const glm::dvec3 left = way.throughput * glm::exp(-glass.absorption * meeting.point.distance);
     if (left != way.throughput) path.losses.push_back({Cause::glass_absorption, leg, way.throughput - left});
-    const bool in_water = water_outside(meeting.point);
-    const view::Crossing crossing(way.direction, meeting.point,
-                                  glass.refractive_index / index_outside(in_water));
+    way.inside = kEndsNowhere;
+    way.in_water = water_outside(meeting.point);
+    way.throughput = left;
+    go_through(way, meeting, glass.refractive_index / index_outside(way.in_water), Cause::glass_reflection,
+               path, next);
+}
+
+/// Takes a way through the surface that it met; its throughput is still that before. `index_ratio`: of the
+/// side that it comes from to the other.
+void PathTracer::go_through(Way way, const Meeting& meeting, double index_ratio, Cause reflection,
+                            LightPath& path, std::vector<Way>& next) const {
+    const view::Crossing crossing(way.direction, meeting.point, index_ratio);
     const bool total = !(crossing.transmittance > 0);
-    path.losses.push_back(
-        {total ? Cause::total_reflection : Cause::glass_reflection, leg, left * crossing.reflectance});
+    path.losses.push_back({total ? Cause::total_reflection : reflection, path.legs.size(),
+                           way.throughput * crossing.reflectance});
     if (total) return;
     way.signature = hash64(way.signature, surface_id(meeting));
     way.leave(meeting.point, crossing, true);
-    way.throughput = left * crossing.transmittance;
-    way.inside = kEndsNowhere;
-    way.in_water = in_water;
+    way.throughput *= crossing.transmittance;
     next.push_back(way);
 }
 
@@ -302,15 +309,8 @@ void PathTracer::enter(Way way, const Meeting& meeting, const glm::dvec3& throug
         inner = scene_.state.objects[meeting.hit.object].material.refractive_index;
         way.inside = static_cast<int>(meeting.hit.object);
     }
-    const view::Crossing crossing(way.direction, meeting.point, outer / inner);
-    const bool total = !(crossing.transmittance > 0);
-    path.losses.push_back(
-        {total ? Cause::total_reflection : Cause::later_reflection, leg, throughput * crossing.reflectance});
-    if (total) return;
-    way.signature = hash64(way.signature, surface_id(meeting));
-    way.leave(meeting.point, crossing, true);
-    way.throughput = throughput * crossing.transmittance;
-    next.push_back(way);
+    way.throughput = throughput;
+    go_through(way, meeting, outer / inner, Cause::later_reflection, path, next);
 }
 
 void PathTracer::go_on(const Way& way, const Meeting& meeting, VertexPaths& record,
@@ -346,8 +346,8 @@ void PathTracer::go_on(const Way& way, const Meeting& meeting, VertexPaths& reco
     enter(way, meeting, left, path, next);
 }
 
-void PathTracer::trace_tile(std::span<const glm::dvec2> uv, std::span<VertexPaths> vertices,
-                            bool follow) const {
+void PathTracer::trace_tile(std::span<const glm::dvec2> uv, std::span<const glm::dvec3> normals,
+                            std::span<VertexPaths> vertices, bool follow) const {
     std::vector<Way> ways(uv.size()), next;
     std::vector<Meeting> meetings;
     for (std::size_t i = 0; i < uv.size(); ++i) {
@@ -362,6 +362,10 @@ void PathTracer::trace_tile(std::span<const glm::dvec2> uv, std::span<VertexPath
         if (view_.textured()) vertices[i].picture = view_.picture_brightness(uv[i], 0);
     }
     meet(ways, meetings);
+    for (std::size_t i = 0; i < normals.size(); ++i) {
+        const bool inwards = glm::dot(ways[i].direction, meetings[i].point.geometric_normal) < 0;
+        meetings[i].point.shading_normal = (inwards ? 1.0 : -1.0) * normals[i];
+    }
     for (std::size_t i = 0; i < uv.size(); ++i)
         start(i, ways[i], meetings[i], vertices[i], follow ? &next : nullptr);
     while (!next.empty()) {
@@ -375,7 +379,16 @@ void PathTracer::trace_tile(std::span<const glm::dvec2> uv, std::span<VertexPath
 
 void PathTracer::trace(std::span<const glm::dvec2> uv, std::span<VertexPaths> vertices) const {
     parallel_for(uv.size(), kTile, [&](std::size_t begin, std::size_t end) {
-        trace_tile(uv.subspan(begin, end - begin), vertices.subspan(begin, end - begin), true);
+        trace_tile(uv.subspan(begin, end - begin), {}, vertices.subspan(begin, end - begin), true);
+    });
+}
+
+void PathTracer::trace(std::span<const glm::dvec2> uv, std::span<const glm::dvec3> normals,
+                       std::span<VertexPaths> vertices) const {
+    parallel_for(uv.size(), kTile, [&](std::size_t begin, std::size_t end) {
+        const std::size_t count = end - begin;
+        trace_tile(uv.subspan(begin, count), normals.subspan(begin, count), vertices.subspan(begin, count),
+                   true);
     });
 }
 
@@ -387,11 +400,11 @@ std::vector<SurfaceTexel> PathTracer::first_surfaces(int side) const {
         for (std::size_t i = begin; i < end; ++i)
             uv.push_back((glm::dvec2(i % columns, i / columns) + 0.5) / static_cast<double>(side));
         std::vector<VertexPaths> found(uv.size());
-        trace_tile(uv, found, false);
+        trace_tile(uv, {}, found, false);
         for (std::size_t i = begin; i < end; ++i) {
             const VertexPaths& at = found[i - begin];
             if (!at.on_body) continue;
-            texels[i] = {glm::vec3(at.normal), true};
+            texels[i] = {glm::vec3(at.normal), true, {at.paths[0].entry.x, at.paths[1].entry.x}};
             if (view_.textured())
                 texels[i].light = static_cast<float>(
                     at.falloff * view_.picture_brightness(uv[i - begin], 1 / static_cast<double>(side)));

@@ -84,6 +84,7 @@ struct VertexPaths {
 struct SurfaceTexel {
     glm::vec3 normal{0};   ///< unit, towards the light; 0 where the body is not met
     bool on_body = false;  ///< as VertexPaths
+    glm::vec2 entry{0};    ///< LightPath::entry by light::Event
     float light = 1;       ///< of a spot: falloff times the brightness of its picture
 };
 
@@ -99,11 +100,13 @@ public:
 
     /// The object of glass that the lamp lies in, or kEndsNowhere.
     int lamp_inside() const { return lamp_inside_; }
-    /// Whether its light throws a picture.
-    bool textured() const { return view_.textured(); }
+    const LightView& view() const { return view_; }
 
     /// What rays met, an entry a (u, v); on all threads.
     void trace(std::span<const glm::dvec2> uv, std::span<VertexPaths> vertices) const;
+    /// The same, as if the surface that is met first had these unit normals (towards the light) there.
+    void trace(std::span<const glm::dvec2> uv, std::span<const glm::dvec3> normals,
+               std::span<VertexPaths> vertices) const;
     /// The first surfaces only, `side` x `side` rays through the middles of equal parts of the view, row by
     /// row.
     std::vector<SurfaceTexel> first_surfaces(int side) const;
@@ -111,7 +114,8 @@ public:
 private:
     struct Way;
     struct Meeting;
-    void trace_tile(std::span<const glm::dvec2> uv, std::span<VertexPaths> vertices, bool follow) const;
+    void trace_tile(std::span<const glm::dvec2> uv, std::span<const glm::dvec3> normals,
+                    std::span<VertexPaths> vertices, bool follow) const;
     void meet(std::span<const Way> ways, std::vector<Meeting>& meetings) const;
     float water_before(const Way& way, const rays::Hit& object) const;
     void start(std::size_t vertex, const Way& way, const Meeting& meeting, VertexPaths& record,
@@ -120,6 +124,8 @@ private:
     void leave_glass(Way way, const Meeting& meeting, LightPath& path, std::vector<Way>& next) const;
     void enter(Way way, const Meeting& meeting, const glm::dvec3& throughput, LightPath& path,
                std::vector<Way>& next) const;
+    void go_through(Way way, const Meeting& meeting, double index_ratio, Cause reflection, LightPath& path,
+                    std::vector<Way>& next) const;
     bool water_outside(const view::SurfacePoint& point) const;
     bool is_glass(std::uint32_t object) const;
     double cut(const glm::dvec3& start, const glm::dvec3& direction, bool in_water) const;

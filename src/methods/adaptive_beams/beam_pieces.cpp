@@ -15,8 +15,8 @@ constexpr int kRounds = 4;
 /// paths of two kinds it is, being a millionth wide.
 constexpr double kSliver = 1e-3;
 
-/// Beams that carry less than this against the mean beam of their chain are left out: near total reflection
-/// and at outlines there are thousands.
+/// Beams that carry less than this against a triangle of the grid as large as the one that they were cut
+/// from, in the mean over the chain, are left out: near total reflection and at outlines there are thousands.
 constexpr double kWeakest = 1e-4;
 
 using Corners = std::array<std::uint32_t, 3>;
@@ -27,6 +27,7 @@ struct Piece {
     double extent = 0;      // LightView::extent
     glm::dvec3 scale{1};    // by which flux is corrected, so that pieces add up to what they were cut from
     glm::dvec3 picture{1};  // LightView::picture
+    double whole = 0;       // extent of the triangle of the grid
 };
 
 /// Where the path changes along an edge: the last ray that is like the edge's first, the one after it, the
@@ -43,11 +44,14 @@ public:
           keep_whole_(keep_whole),
           rays_(rays) {}
 
-    BeamHarvest run(std::span<const Corners> triangles) {
+    BeamHarvest run(std::span<const Corners> triangles, std::span<const glm::dvec2> entry) {
         std::vector<Piece> pieces;
-        for (const Corners& corners : triangles) {
+        for (std::size_t i = 0; i < triangles.size(); ++i) {
+            const Corners& corners = triangles[i];
             if (!on_body(corners[0]) && !on_body(corners[1]) && !on_body(corners[2])) continue;
-            pieces.push_back({corners, extent(corners), glm::dvec3(1), picture(corners)});
+            const double share = entry.empty() ? 1 : entry[i][static_cast<int>(event_)];
+            const double whole = extent(corners);
+            pieces.push_back({corners, whole, glm::dvec3(share), picture(corners), whole});
         }
         // Rays that meet the body at all. What the others would carry is nobody's to say, so that nothing is
         // made to add up here.
@@ -56,10 +60,13 @@ public:
             [&](const Piece& piece) { return mean_of(piece, Arriving{}); }, false);
         harvest_.incident = harvest_.losses[static_cast<std::size_t>(Cause::silhouette)];
         std::erase_if(pieces, [&](const Piece& piece) { return !on_body(piece.rays[0]); });
-        for (const Piece& piece : pieces)
+        double extents = 0;
+        for (const Piece& piece : pieces) {
             harvest_.incident += piece.extent * piece.scale * mean_of(piece, Arriving{}) * view_.color();
+            extents += piece.extent;
+        }
         const glm::dvec3 all = harvest_.incident;
-        mean_flux_ = (all.x + all.y + all.z) / std::max<double>(1, static_cast<double>(pieces.size()));
+        mean_flux_ = extents > 0 ? (all.x + all.y + all.z) / extents : 0;
         for (std::size_t leg = 0; leg < kMostLegs + 1 && !pieces.empty(); ++leg)
             pieces = take_leg(pieces, leg);
         return std::move(harvest_);
@@ -140,7 +147,7 @@ private:
             lose(Cause::beyond, flux / view_color());
             return;
         }
-        if (!(flux.x + flux.y + flux.z > kWeakest * mean_flux_)) {
+        if (!(flux.x + flux.y + flux.z > kWeakest * mean_flux_ * piece.whole)) {
             lose(Cause::too_weak, flux / view_color());
             return;
         }
@@ -209,6 +216,7 @@ private:
             Piece part{{a, b, d}, 0, piece.scale};
             part.extent = std::min(rest, extent(part.rays));
             if (!(part.extent > least * piece.extent)) return;
+            part.whole = piece.whole;
             part.picture = picture(part.rays);
             rest -= part.extent;
             result.push_back(part);
@@ -322,7 +330,7 @@ private:
     bool keep_whole_;
     TracedRays& rays_;
     BeamHarvest harvest_;
-    double mean_flux_ = 0;  // W, sum of the channels, of a piece of the light that takes the event
+    double mean_flux_ = 0;  // W, sum of the channels, a unit of extent, of the light that takes the event
     std::unordered_map<std::uint64_t, Change> changes_;
 };
 
@@ -330,8 +338,8 @@ private:
 
 BeamHarvest cut_into_beams(const PathTracer& tracer, const LightView& view, light::Event event,
                            std::span<const std::array<std::uint32_t, 3>> triangles, bool keep_whole,
-                           TracedRays& rays) {
-    return Cutter(tracer, view, event, keep_whole, rays).run(triangles);
+                           TracedRays& rays, std::span<const glm::dvec2> entry) {
+    return Cutter(tracer, view, event, keep_whole, rays).run(triangles, entry);
 }
 
 }  // namespace dapple::methods::adaptive_beams

@@ -44,9 +44,10 @@ struct BeamHarvest {
 /// the pieces, leg by leg. Where two rays of an edge have different paths, the place between them where the
 /// path changes is found by halving; what lies between its two sides, a millionth of the edge, is lost at
 /// silhouettes. (Liktor and Dachsbacher 2011, 4.1, leave out the whole triangle; `keep_whole` does so.) An
-/// edge is cut in the same places for both its triangles. New rays are appended to `rays`.
+/// edge is cut in the same places for both its triangles. New rays are appended to `rays`. `entry`, where it
+/// is not empty: by what the flux of each triangle is multiplied.
 BeamHarvest cut_into_beams(const PathTracer& tracer, const LightView& view, light::Event event,
                            std::span<const std::array<std::uint32_t, 3>> triangles, bool keep_whole,
-                           TracedRays& rays);
+                           TracedRays& rays, std::span<const glm::dvec2> entry = {});
 
 }  // namespace dapple::methods::adaptive_beams

@@ -254,6 +254,10 @@ double LightView::extent(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c) const {
            std::atan2(volume, lp * lq * lr + glm::dot(p, q) * lr + glm::dot(q, r) * lp + glm::dot(r, p) * lq);
 }
 
+glm::dvec2 LightView::size() const {
+    return {glm::length(along_u_), glm::length(along_v_)};
+}
+
 double LightView::falloff(glm::dvec2 uv) const {
     if (!spot_) return 1;
     return optics::f64::spot_light_falloff(glm::dot(ray(uv).direction, direction_), cos_outer_, cos_inner_);

@@ -33,6 +33,8 @@ public:
     /// view, of what it is the mean over.
     double picture_brightness(glm::dvec2 uv, double width) const;
 
+    /// What u and v, from 0 to 1, are long at the corner: m across, of a sun; rad, of a lamp, about.
+    glm::dvec2 size() const;
     bool parallel() const { return parallel_; }
     /// W/m^2 or W/sr a channel that a unit of extent() stands for, but for the falloff.
     const glm::dvec3& color() const { return color_; }

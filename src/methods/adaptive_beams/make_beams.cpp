@@ -115,8 +115,8 @@ private:
             // Rays of cuts need follow that event only.
             const PathTracer one(context_.scene, context_.rays, media_, view, pair.body,
                                  1u << static_cast<unsigned>(event), band.index_shift);
-            const BeamHarvest harvest =
-                cut_into_beams(one, view, event, triangles, settings_.paper_faithful, refined.rays);
+            const BeamHarvest harvest = cut_into_beams(one, view, event, triangles, settings_.paper_faithful,
+                                                       refined.rays, refined.entry);
             for (std::size_t i = 0; i < kCauses; ++i) losses_[i] += harvest.losses[i];
             incident_ += harvest.incident;
             for (const LegBeams& legs : harvest.legs)

@@ -15,9 +15,9 @@ namespace {
 constexpr std::uint32_t kGroup = 64;  // local_size_x of oracle_buffers.glsl
 constexpr gpu::Interface kInterface{
     .storage_buffers = 6, .sampled_images = 0, .push_bytes = sizeof(layout::OraclePush)};
-static_assert(sizeof(layout::OraclePush) == 40);
+static_assert(sizeof(layout::OraclePush) == 112);
 static_assert(sizeof(layout::OracleVertex) == 48);
-static_assert(sizeof(layout::OracleWay) == 36);
+static_assert(sizeof(layout::OracleWay) == 40);
 
 template <class T>
 gpu::Buffer filled(gpu::Device& device, std::string_view name, std::span<const T> values) {

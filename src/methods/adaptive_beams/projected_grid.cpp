@@ -68,7 +68,7 @@ void ProjectedGrid::bisect(std::array<std::uint32_t, 3> v, std::array<std::uint3
     bisect({v[1], v[2], middles[0]}, {middles[1], kNone, kNone}, cut);
 }
 
-void ProjectedGrid::split(std::span<const std::uint8_t> marked) {
+bool ProjectedGrid::split(std::span<const std::uint8_t> marked, std::size_t most) {
     std::vector<std::uint8_t> marks(marked.begin(), marked.end());
     std::vector<std::uint32_t> pending;
     for (std::uint32_t e = 0; e < edges_.size(); ++e)
@@ -84,6 +84,10 @@ void ProjectedGrid::split(std::span<const std::uint8_t> marked) {
             pending.push_back(longest);
         }
     }
+    std::size_t triangles = triangles_.size();
+    for (std::uint32_t e = 0; e < edges_.size(); ++e)
+        if (marks[e] != 0) triangles += edges_[e].triangles[1] == kNone ? 1 : 2;
+    if (triangles > most) return false;
     std::vector<std::uint32_t> middles(edges_.size(), kNone);
     for (std::uint32_t e = 0; e < edges_.size(); ++e)
         if (marks[e] != 0) middles[e] = middle(e);
@@ -95,6 +99,7 @@ void ProjectedGrid::split(std::span<const std::uint8_t> marked) {
     }
     triangles_ = std::move(cut);
     connect();
+    return true;
 }
 
 }  // namespace dapple::methods::adaptive_beams

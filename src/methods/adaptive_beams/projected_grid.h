@@ -38,8 +38,8 @@ public:
     std::uint32_t middle(std::uint32_t edge);
 
     /// Cuts the marked edges (an entry an edge, not 0: marked), and the longest edge of every triangle that
-    /// has a marked one, once.
-    void split(std::span<const std::uint8_t> marked);
+    /// has a marked one, once. False, and nothing is cut, if there would be more than `most` triangles.
+    bool split(std::span<const std::uint8_t> marked, std::size_t most = kNone);
 
 private:
     std::uint32_t vertex(glm::ivec2 point);

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "methods/adaptive_beams/merged_rays.h"
 #include "methods/adaptive_beams/oracle_judge.h"
 #include "view/camera.h"
+#include "view/camera_medium.h"
 
 namespace dapple::methods::adaptive_beams {
 namespace {
@@ -12,6 +14,9 @@ namespace {
 /// Texels along a side of the light's view: two a finest cell, within these bounds.
 constexpr int kLeastTexels = 256;
 constexpr int kMostTexels = 2048;
+/// Cells on outlines are split until they are narrower than this share of the picture's size: a cell that
+/// wide has a ten thousandth of its area, and of what light is even over it.
+constexpr double kOutlineOfPicture = 0.01;
 
 float mean(const glm::dvec3& v) {
     return static_cast<float>((v.x + v.y + v.z) / 3);
@@ -26,7 +31,7 @@ layout::OracleWay way_of(const LightPath& path, std::size_t leg) {
     if (leg >= path.legs.size()) return {};
     const PathLeg& from = path.legs[leg];
     return {glm::vec3(from.start), glm::vec3(from.direction), static_cast<float>(from.length),
-            mean(from.throughput), folded(from.signature)};
+            mean(from.throughput), folded(from.signature),    from.in_water ? 1u : 0u};
 }
 
 /// The oracle's view of a ray.
@@ -54,16 +59,39 @@ void describe(const VertexPaths& ray, glm::dvec2 uv, int texels, layout::OracleV
     vertex.ends = folded(ends);
 }
 
-layout::OraclePush settings_of(const scene::FrameScene& scene, int body, int texels) {
+layout::OraclePush settings_of(const scene::FrameScene& scene, const PathTracer& tracer, int body,
+                               int texels) {
     layout::OraclePush push{};
     const scene::FrameState& state = scene.state;
-    push.camera = glm::vec3(state.camera.position - scene.origin);
-    if (state.camera.projection == scene::Projection::perspective) {
-        push.pixel_angle =
-            static_cast<float>(2 * std::tan(0.5 * state.camera.field_of_view) / state.clip.height);
+    const scene::Camera& seen_by = state.camera;
+    const view::Camera camera(seen_by, state.clip.width, state.clip.height);
+    const glm::dmat3 world_from_camera = glm::transpose(glm::dmat3(camera.camera_from_world()));
+    push.camera = glm::vec3(seen_by.position - scene.origin);
+    push.right = glm::vec3(world_from_camera[0]);
+    push.up = glm::vec3(world_from_camera[1]);
+    push.forward = glm::vec3(-world_from_camera[2]);
+    const double height = state.clip.height, aspect = state.clip.width / height;
+    if (seen_by.projection == scene::Projection::perspective) {
+        const double half = std::tan(0.5 * seen_by.field_of_view);
+        push.pixel_angle = static_cast<float>(2 * half / height);
+        push.half_tangent = glm::vec2(half * glm::dvec2(aspect, 1));
     } else {
-        push.pixel_size = static_cast<float>(state.camera.view_height / state.clip.height);
+        push.pixel_size = static_cast<float>(seen_by.view_height / height);
+        push.half_size = glm::vec2(0.5 * seen_by.view_height * glm::dvec2(aspect, 1));
     }
+    // Rays of an orthographic camera start in many places.
+    if (state.water && push.pixel_size == 0 && view::camera_medium(scene).in_water) {
+        const glm::dvec3 extinction = state.water->extinction();
+        push.extinction = static_cast<float>(std::min({extinction.x, extinction.y, extinction.z}));
+    }
+    const scene::AdaptiveBeamsParameters& parameters = state.caustics.adaptive_beams;
+    push.tolerance = static_cast<float>(parameters.tolerance);
+    // Whole triangles are left out at outlines there, and so must be small.
+    if (!parameters.paper_faithful)
+        push.least_outline = static_cast<float>(kOutlineOfPicture * std::sqrt(state.clip.width * height));
+    const glm::dvec2 size = tracer.view().size();
+    (tracer.view().parallel() ? push.texel_size : push.texel_angle) =
+        static_cast<float>(std::max(size.x, size.y) / texels);
     // At upright incidence a normal that turns by x turns what is reflected by 2 x and what goes into a
     // medium of index n by (1 - 1/n) x; glass has two surfaces, which send it off its way by (n - 1) x each.
     push.reflection = 2;
@@ -86,9 +114,7 @@ void trace_new(const PathTracer& tracer, const ProjectedGrid& grid, TracedRays& 
     tracer.trace(std::span(rays.uv).subspan(first), std::span(rays.paths).subspan(first));
 }
 
-std::vector<layout::OracleTexel> light_view_of(const PathTracer& tracer, int texels, FrameStats& stats) {
-    const ScopedPass pass(stats, "light view");
-    const std::vector<SurfaceTexel> found = tracer.first_surfaces(texels);
+std::vector<layout::OracleTexel> for_oracle(const std::vector<SurfaceTexel>& found) {
     std::vector<layout::OracleTexel> surface(found.size());
     std::transform(found.begin(), found.end(), surface.begin(), [](const SurfaceTexel& texel) {
         return layout::OracleTexel{texel.normal, texel.on_body ? 1u : 0u, texel.light};
@@ -120,7 +146,7 @@ void fill_task(const PathTracer& tracer, ProjectedGrid& grid, TracedRays& rays, 
 
 RefinedGrid refine(const scene::FrameScene& scene, const PathTracer& tracer, int body, int cells, int levels,
                    OraclePass* pass, FrameStats& stats) {
-    RefinedGrid refined{ProjectedGrid(cells, levels), {}};
+    RefinedGrid refined{ProjectedGrid(cells, levels), {}, {}};
     ProjectedGrid& grid = refined.grid;
     TracedRays& rays = refined.rays;
     {
@@ -129,10 +155,14 @@ RefinedGrid refine(const scene::FrameScene& scene, const PathTracer& tracer, int
     }
     if (levels == 0) return refined;
     const int texels = std::clamp(2 * (cells << levels), kLeastTexels, kMostTexels);
-    const std::vector<layout::OracleTexel> surface = light_view_of(tracer, texels, stats);
+    const std::vector<SurfaceTexel> light_view = [&] {
+        const ScopedPass looking(stats, "light view");
+        return tracer.first_surfaces(texels);
+    }();
+    const std::vector<layout::OracleTexel> surface = for_oracle(light_view);
     OracleTask task;
-    task.settings = settings_of(scene, body, texels);
-    task.settings.textured = tracer.textured() ? 1 : 0;
+    task.settings = settings_of(scene, tracer, body, texels);
+    task.settings.textured = tracer.view().textured() ? 1 : 0;
     for (int level = 0; level < levels; ++level) {
         {
             const ScopedPass tracing(stats, "beam grid");
@@ -145,8 +175,13 @@ RefinedGrid refine(const scene::FrameScene& scene, const PathTracer& tracer, int
         for (std::size_t t = 0; t < verdicts.triangles.size(); ++t)
             if (verdicts.triangles[t] == oracle_rules::kHidden)
                 for (const std::uint32_t edge : grid.triangles()[t].edges) marks[edge] = 1;
-        grid.split(marks);
+        if (!grid.split(marks, kMostTriangles)) {
+            stats.count("levels of beams left out for want of room", levels - level);
+            break;
+        }
     }
+    const ScopedPass tracing(stats, "beam grid");
+    if (body == light::kWater) refined.entry = merge_waves(tracer, grid, light_view, texels, rays);
     return refined;
 }
 

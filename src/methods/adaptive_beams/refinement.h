@@ -12,7 +12,11 @@ namespace dapple::methods::adaptive_beams {
 struct RefinedGrid {
     ProjectedGrid grid;
     TracedRays rays;
+    std::vector<glm::dvec2> entry;  ///< merge_waves(); empty: 1
 };
+
+/// A grid is not refined beyond this, so that many levels over a wide sea need no more memory than there is.
+constexpr std::size_t kMostTriangles = 1 << 19;
 
 /// Refines a grid of `cells` x `cells` squares up to `levels` times where the oracle asks for it. `pass` may
 /// be null: the oracle then is judge().
