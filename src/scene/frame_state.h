@@ -140,8 +140,8 @@ struct SlicedBeamsParameters {
 };
 
 struct AdaptiveBeamsParameters {
-    int grid = 16;        ///< cells along each side of a light's view before any is split
-    int levels = 3;       ///< times that a cell may be split
+    int grid = 16;   ///< cells along each side of a light's view before any is split
+    int levels = 3;  ///< times that a cell may be split
     /// Pixels that light may land off its place in beams narrower than two pixels, half-widths of a beam in
     /// others: cells are split until then. What the camera does not see is not split.
     double tolerance = 0.05;
