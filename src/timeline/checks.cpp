@@ -34,6 +34,7 @@ public:
             check_dispersion(*state.water);
             check_phase(state.water->phase, "water.phase");
         }
+        check_caustics(state.caustics);
     }
 
 private:
@@ -152,6 +153,12 @@ private:
             fault(
                 "water.dispersion",
                 "half of it brings the index of red light below 1; take at most twice refractive_index - 1");
+    }
+
+    void check_caustics(const scene::Caustics& caustics) {
+        const char* low_pass = "caustics.paper_low_pass";
+        if (program_.given.count(low_pass) > 0 && !caustics.adaptive_beams.paper_faithful)
+            fault(low_pass, "blurs the light of the paper's beams only; add paper_faithful: true");
     }
 
     /// One fault a key: the first frame that shows it.
