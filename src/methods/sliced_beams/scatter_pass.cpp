@@ -24,7 +24,7 @@ static_assert(sizeof(layout::ScatterSum) == 44);
 static_assert(sizeof(layout::ScatterPush) == 112);
 
 constexpr std::size_t kGroup = 64;  ///< invocations of a work group
-/// Segments of a dispatch: with what the shader does of each at most, far less than a second's work anywhere.
+/// Segments of a dispatch; what the shader does of each ends at what scatter.comp's kMostWork says.
 constexpr std::size_t kSegmentsAtOnce = 1 << 15;
 constexpr std::size_t kMostNodes = 1 << 26;  ///< whose pieces the shader can number in 32 bits
 constexpr std::size_t kPatches = 16;         ///< whose segments one thread collects

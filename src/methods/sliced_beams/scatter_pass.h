@@ -14,9 +14,11 @@ namespace dapple::methods::sliced_beams {
 /// a sheet's pyramid, finds its pieces in beams and adds up their light in a fixed order. The formulas are
 /// those of ScatterSheet::add but for rules of quadrature, where the CPU has cheaper ones (moments of a
 /// cluster, two nodes), and for cuts and peaks of the light, which the CPU finds in double: both are off by
-/// some 1e-6. The same bits from run to run on one device, whatever segments go together. A dispatch does a
-/// bounded part of the work, so that no watchdog ends it; there are as many as it takes. Beams among whose
-/// rays an object may stand, and water with bounded media in it, stay on the CPU.
+/// some 1e-6. The same bits from run to run on one device, whatever segments go together. A dispatch
+/// walks so many nodes of so many segments at most, to be short of what watchdogs allow, and there are as
+/// many as it takes; but pieces that were met are finished in it, and those of thick or very uneven water
+/// may have hundreds of parts. Beams among whose rays an object may stand, and water with bounded media in
+/// it, stay on the CPU.
 class ScatterPass {
 public:
     explicit ScatterPass(gpu::Device& device);

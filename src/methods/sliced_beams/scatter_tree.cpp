@@ -11,6 +11,10 @@ using NodeId = BeamPyramid<float>::NodeId;
 /// Depths beyond all others, m: the device need not know infinity.
 constexpr float kFar = 1e30f;
 
+float finite(float depth) {
+    return std::clamp(depth, -kFar, kFar);
+}
+
 struct Leaf {
     std::uint32_t first = 0, count = 0;  ///< of ScatterTree::beams
 };
@@ -22,7 +26,9 @@ void add_beams(const ScatterSheet<float>& sheet, const BeamCluster<float>& clust
         const glm::uvec3& corner = sheet.coverage().triangles()[beam.triangle];
         const std::vector<float>& start = sheet.coverage().sheet().start;
         const bool cut = (beam.shade & Ways::kCut) != 0;
-        const auto stop = [&](std::uint32_t vertex) { return cut ? sheet.ways().stop(vertex) : kFar; };
+        const auto stop = [&](std::uint32_t vertex) {
+            return cut ? finite(sheet.ways().stop(vertex)) : kFar;
+        };
         tree.beams.push_back({{corner.x, corner.y, corner.z},
                               2 * sheet.coverage().sheet().flux[beam.triangle],
                               std::max({start[corner.x], start[corner.y], start[corner.z]}),
@@ -43,7 +49,7 @@ void add_nodes(const BeamPyramid<float>& pyramid, const ScatterBounds<float>::Sl
                      {bounds.low_grows_a, bounds.high_grows_a, bounds.low_grows_b, bounds.high_grows_b},
                      bounds.first_start,
                      bounds.last_start,
-                     std::min(bounds.stop, kFar),
+                     finite(bounds.stop),
                      0,
                      leaf.first,
                      leaf.count});
@@ -69,13 +75,13 @@ ScatterTree::ScatterTree(const ScatterSheet<float>& sheet) : largest(sheet.bound
     if (beams.empty()) return;
     for (const auto& slab : sheet.bounds().slabs()) {
         add_nodes(pyramid, slab, pyramid.root(), leaves, nodes);
-        slabs.push_back({slab.from, std::min(slab.to, kFar), static_cast<std::uint32_t>(nodes.size())});
+        slabs.push_back({slab.from, finite(slab.to), static_cast<std::uint32_t>(nodes.size())});
     }
     for (std::size_t i = 0; i < beam_sheet.rays.size(); ++i) {
         const auto& ray = beam_sheet.rays[i];
         const auto vertex = static_cast<std::uint32_t>(i);
         rays.push_back({{ray.a, ray.b, ray.slope_a, ray.slope_b}, beam_sheet.start[i]});
-        stops.push_back(sheet.ways().empty() ? kFar : std::min(sheet.ways().stop(vertex), kFar));
+        stops.push_back(sheet.ways().empty() ? kFar : finite(sheet.ways().stop(vertex)));
     }
 }
 
