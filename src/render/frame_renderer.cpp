@@ -9,11 +9,11 @@
 #include "media/media.h"
 #include "methods/registry.h"
 #include "ocean/grid_size.h"
+#include "ocean/lamp_mesh.h"
 #include "rays/ray_scene.h"
 #include "render/albedo.h"
 #include "render/film.h"
 #include "render/frame_scene_builder.h"
-#include "render/picture_mesh.h"
 #include "render/plan.h"
 #include "render/segment_lattice.h"
 #include "render/shading.h"
@@ -300,7 +300,7 @@ std::size_t FrameRenderer::bytes(const scene::FrameState& state) const {
 }
 
 std::size_t FrameRenderer::State::other_bytes(const scene::FrameState& given) {
-    const scene::FrameState state = with_mesh_for_pictures(given);
+    const scene::FrameState state = ocean::with_mesh_for_lamps(given);
     // In double: a picture of absurd size must not wrap around to a small number.
     const double count = static_cast<double>(state.clip.width) * static_cast<double>(state.clip.height);
     const bool volume = may_scatter(state);

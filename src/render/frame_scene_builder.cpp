@@ -12,8 +12,8 @@
 #include "grids/vdb_file.h"
 #include "input/closed_mesh.h"
 #include "input/mesh_file.h"
+#include "ocean/lamp_mesh.h"
 #include "ocean/water_surface.h"
-#include "render/picture_mesh.h"
 #include "render/texture_files.h"
 
 namespace dapple::render {
@@ -108,7 +108,7 @@ FrameSceneBuilder::~FrameSceneBuilder() = default;
 
 scene::FrameScene FrameSceneBuilder::build(const scene::FrameState& state) {
     scene::FrameScene built;
-    built.state = with_mesh_for_pictures(state);
+    built.state = ocean::with_mesh_for_lamps(state);
     // The camera's place on the water: floats are finest where the picture is.
     built.origin = {std::round(state.camera.position.x), 0, std::round(state.camera.position.z)};
     if (const std::optional<scene::Water>& water = built.state.water) {

@@ -5,6 +5,8 @@
 
 #include "closed_form/beam_sheets.h"
 #include "closed_form/flat_scene.h"
+#include "ocean/grid_size.h"
+#include "ocean/lamp_mesh.h"
 
 namespace dapple {
 namespace {
@@ -233,6 +235,38 @@ TEST(BeamsFlatLamp, PixelMeansConvergeWithOrderTwo) {
     // Over the last two halvings.
     EXPECT_NEAR(std::log2(errors[1] / errors[3]) / 2, 2, 0.1);
     EXPECT_LT(errors[3], 2e-5);  // measured 1.0e-5
+}
+
+TEST(BeamsFlatLamp, TheDefaultMeshServesALampPixelByPixel) {
+    constexpr double above = 2, below = 1.5;
+    scene::FrameState state;
+    state.water.emplace().extent.size = {8, 8};
+    scene::Light& lamp = state.lights.emplace_back();
+    lamp.type = scene::LightType::point;
+    lamp.position = {0, above, 0};
+    lamp.intensity = {1, 1, 1};
+    const int cells = ocean::grid_size(*ocean::with_mesh_for_lamps(state).water).cells_x;
+    scene::FrameScene scene = test::scene_of_flat_water({8, 8}, cells, cells);
+    scene.state.lights = state.lights;
+    std::vector<SheetSet<double>::Receiver> receivers;
+    std::vector<double> exact;
+    std::mt19937 random(2);
+    std::uniform_real_distribution<double> place(-1.5, 1.5);
+    for (int k = 0; k < 1000; ++k) {
+        const glm::dvec2 at(place(random), place(random));
+        receivers.push_back(test::receiver<double>({at.x, -below, at.y}, {0, 1, 0}, {0.01, 0.01}));
+        exact.push_back(lamp_irradiance(glm::length(at), above, below));
+    }
+    const auto values = SheetSet<double>(scene, Event::transmission, 3).irradiance(receivers);
+    double error = 0, sum = 0;
+    for (std::size_t i = 0; i < exact.size(); ++i) {
+        error += std::abs(values[i].x - exact[i]);
+        sum += exact[i];
+    }
+    printf("%d cells across 8 m, a lamp 2 m above them: relative L1 error %.2e\n", cells, error / sum);
+    // Each beam is as bright as its mean: 0.13 of a cell over the lamp's height, measured; 0.41 with two
+    // cells.
+    EXPECT_LT(error / sum, 0.007);
 }
 
 TEST(BeamsFlatLamp, WaterAbsorbsBeforeItsSurfaceToo) {

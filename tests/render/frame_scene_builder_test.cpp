@@ -12,7 +12,6 @@
 #include "grids/density_grid.h"
 #include "image/exr.h"
 #include "image/temporary_folder.h"
-#include "render/picture_mesh.h"
 #include "render/texture_files.h"
 
 namespace dapple::render {
@@ -175,28 +174,12 @@ TEST(FrameSceneBuilder, LoadsWhatSpotsThrow) {
     EXPECT_THAT(message(folder / "c.exr"), testing::HasSubstr("c.exr: channel Y of the texture holds NaN"));
 }
 
-TEST(FrameSceneBuilder, MeshesOfTheWaterAreFineEnoughForPictures) {
-    const auto cells = [](const scene::FrameState& state) {
-        return with_mesh_for_pictures(state).water->mesh_cells;
-    };
-    scene::FrameState state = with_picture("a.exr");
-    EXPECT_EQ(cells(state), 1024) << "256 for each 2 m";
-    state.lights[0].position.y = -2.1;
-    EXPECT_EQ(cells(state), 1024) << "powers of two";
-    state.lights[0].position.y = 0;
-    EXPECT_EQ(cells(state), 1449) << "2.1 million triangles";
-    state.lights[0].position.y = 2;
-    state.water->mesh_cells = 5;
-    EXPECT_EQ(cells(state), 5);
-    state.water->mesh_cells = 0;
-    state.water->surface.waves.waves.resize(1);
-    state.water->surface.waves.waves[0].amplitude = 0.01;
-    state.water->surface.waves.waves[0].length = 0.15;
-    EXPECT_EQ(cells(state), 0) << "25 cells for each 15 cm are finer";
-    state.water->surface.waves.waves[0].length = 1;
-    EXPECT_EQ(cells(state), 1024);
-    state.lights[0].texture.clear();
-    EXPECT_EQ(cells(state), 0);
+TEST(FrameSceneBuilder, MeshesOfTheWaterAreFineEnoughForLamps) {
+    scene::FrameState state = with_picture("");
+    state.lights[0].type = scene::LightType::point;
+    const scene::FrameScene scene = FrameSceneBuilder().build(state);
+    EXPECT_EQ(scene.water->columns, 101);
+    EXPECT_EQ(scene.state.water->mesh_cells, 100) << "methods see what mesh there is";
 }
 
 }  // namespace
