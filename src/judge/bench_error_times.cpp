@@ -61,7 +61,7 @@ TimeToError time_to(const BenchResult& result, std::size_t ladder, Judged what, 
 TimeToError reference_time_to(const BenchResult& result, Judged what, Clock clock, const ErrorKind& kind,
                               double error) {
     const auto [seconds, noise] = reference_point(result, what, clock, kind);
-    if (!(seconds > 0 && noise > 0)) return {};
+    if (!(seconds > 0 && noise > 0)) return {TimeToError::State::not_known, 0};
     return {TimeToError::State::reached, seconds * noise * noise / (error * error)};
 }
 
@@ -85,14 +85,14 @@ std::vector<std::vector<std::string>> times_to_errors(const BenchResult& result)
                 });
     for (const Clock clock : {Clock::wall, Clock::cpu})
         add("reference", clock, [&](Judged what, Clock by, const ErrorKind& kind, double error) {
-            const TimeToError time = reference_time_to(result, what, by, kind, error);
-            return time.state == TimeToError::State::reached ? to_string(time) : std::string("not known");
+            return to_string(reference_time_to(result, what, by, kind, error));
         });
     return rows;
 }
 
 std::string to_string(const TimeToError& time) {
     if (time.state == TimeToError::State::not_reached) return "not reached";
+    if (time.state == TimeToError::State::not_known) return "not known";
     return (time.state == TimeToError::State::at_most ? "<= " : "") + formatted("%.3f s", time.seconds);
 }
 

@@ -36,7 +36,7 @@ TimesAndErrors reference_times_and_errors(const BenchResult& result, Judged what
 inline constexpr double kErrorsOfInterest[] = {0.05, 0.02, 0.01};
 
 /// Seconds a frame to an error, of the rungs of a ladder; of the reference by 1 / sqrt(time), also beyond the
-/// time that it took; not_reached where its noise is not known.
+/// time that it took; not_known where its noise is not.
 TimeToError time_to(const BenchResult& result, std::size_t ladder, Judged what, Clock clock,
                     const ErrorKind& kind, double error);
 TimeToError reference_time_to(const BenchResult& result, Judged what, Clock clock, const ErrorKind& kind,
@@ -46,7 +46,7 @@ TimeToError reference_time_to(const BenchResult& result, Judged what, Clock cloc
 /// inside surfaces and of RMSE, and of L1 of S where the timeline scatters light.
 std::vector<std::vector<std::string>> times_to_errors(const BenchResult& result);
 
-/// "0.21 s", "<= 0.2 s", "not reached".
+/// "0.21 s", "<= 0.2 s", "not reached", "not known".
 std::string to_string(const TimeToError& time);
 
 }  // namespace dapple::judge

@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "base/suggest.h"
 #include "ocean/grid_size.h"
+#include "ocean/lamp_mesh.h"
 #include "scene/schema.h"
 #include "timeline/timeline.h"
 
@@ -190,7 +191,7 @@ Ladder default_ladder(const std::string& method, const scene::FrameState& state)
     if (method == "sliced_beams" && state.water && !ocean::is_flat(state.water->surface)) {
         // Its error is the mesh's: about what the timeline itself resolves. Meshes from files bring their
         // own.
-        const int cells = ocean::grid_size(*state.water).cells_x;
+        const int cells = ocean::grid_size(*ocean::with_mesh_for_lamps(state).water).cells_x;
         if (state.water->surface.type == scene::WaterSurfaceType::mesh_sequence || cells < 8) return ladder;
         ladder.key = "water.mesh_cells";
         ladder.values.clear();

@@ -63,11 +63,13 @@ Json to_json(const ClipErrors& errors) {
 }
 
 Json to_json(const TimeToError& time) {
-    const char* state = time.state == TimeToError::State::reached   ? "reached"
-                        : time.state == TimeToError::State::at_most ? "at_most"
-                                                                    : "not_reached";
-    const bool reached = time.state != TimeToError::State::not_reached;
-    return {{"state", state}, {"seconds", reached ? Json(time.seconds) : Json(nullptr)}};
+    using enum TimeToError::State;
+    const char* state = time.state == reached       ? "reached"
+                        : time.state == at_most     ? "at_most"
+                        : time.state == not_reached ? "not_reached"
+                                                    : "not_known";
+    const bool has_time = time.state == reached || time.state == at_most;
+    return {{"state", state}, {"seconds", has_time ? Json(time.seconds) : Json(nullptr)}};
 }
 
 /// `time` gives the time of what, by a clock, to an error of a kind.

@@ -81,6 +81,7 @@ struct TimeToError {
         reached,      ///< between two rungs, interpolated
         at_most,      ///< at a rung, and no line tells how much before it: `seconds` are its
         not_reached,  ///< no rung is there
+        not_known,    ///< the reference's noise, and so its time, is not known
     };
     State state = State::not_reached;
     double seconds = 0;

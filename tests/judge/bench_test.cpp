@@ -323,6 +323,7 @@ TEST(Report, DrawsTheReferencesOwnErrorOverTime) {
     result.reference->noise = {1, 400, {}, {}};
     EXPECT_TRUE(reference_times_and_errors(result, Judged::layer, Clock::wall, kL1Inside).empty());
     EXPECT_THAT(times_to_errors(result)[2], Contains("not known").Times(6));
+    EXPECT_THAT(bench_json(result), HasSubstr("\"not_known\""));
     EXPECT_THAT(bench_html(result), testing::Not(HasSubstr("reference, its noise")));
 }
 

@@ -38,7 +38,9 @@ std::size_t PhotonSplatting::bytes(const scene::FrameState& state, std::size_t p
     // Photons without the border, which is thin but for low suns: at most four times as many in all.
     const double photons = side * side * std::min(size.x, size.y) / std::max(size.x, size.y);
     constexpr double kMap = 16 + 4 + 36;  // surface, depth, rays
-    constexpr double kMesh = 12 + 12 + 4 + 4 + 1;
+    const bool pictures = std::any_of(state.lights.begin(), state.lights.end(),
+                                      [](const scene::Light& light) { return !light.texture.empty(); });
+    const double mesh = 12 + 12 + 4 + 4 + 1 + (pictures ? 12 : 0);
     constexpr double kLanding = 4 + 12;
     constexpr double kSplats = 2 * sizeof(layout::Splat);  // in bands, then on the device
     const double events = 2 * static_cast<double>(state.lights.size());
@@ -46,7 +48,7 @@ std::size_t PhotonSplatting::bytes(const scene::FrameState& state, std::size_t p
     // In double, held: maps of absurd size must not wrap around to a small number.
     constexpr double kMost = 0x1p61;
     return static_cast<std::size_t>(
-        std::min(kMost, photons * (kMap + 2 * kMesh + kLanding + kSplats + events * sizeof(layout::Splat)) +
+        std::min(kMost, photons * (kMap + 2 * mesh + kLanding + kSplats + events * sizeof(layout::Splat)) +
                             static_cast<double>(pixels) * kLayer));
 }
 

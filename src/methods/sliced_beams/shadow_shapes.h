@@ -37,8 +37,9 @@ public:
     /// Those that darken() knows.
     ObjectSet known() const { return known_; }
     /// Takes the shadows of the objects of a set, all known ones, from what is lit: a convex object's is one
-    /// interval, found by its ends and so whatever its width. Exact where the ends of the ways are linear and
-    /// the object is no sphere.
+    /// interval, found by its ends and so whatever its width. Exact where the ends of the ways are linear,
+    /// the object is no sphere, and the way changes sign along none of the object's axes within the interval,
+    /// where the margins, which hold its magnitude, have a kink.
     void darken(ObjectSet set, const WayLanes<Real>& ways, LitParts<Real>& lit) const;
     /// m, along which a sun's ray from a point of the water has passed all objects.
     Real beyond() const { return beyond_; }
