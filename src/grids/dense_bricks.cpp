@@ -27,8 +27,10 @@ glm::ivec3 size_for(std::size_t bricks) {
 DenseBricks dense_bricks(const DensityGrid& grid, int largest) {
     const CellBlocks* blocks = grid.cell_blocks();
     if (!blocks)
-        throw Error(ExitCode::device, "the voxels of a grid lie too far apart for textures: over more than " +
-                                          std::to_string(DensityGrid::kMostBlocks) + " blocks of 8 x 8 x 8");
+        throw Error(ExitCode::input_unreadable,
+                    "the grid's voxels lie too far apart for adaptive_beams, over more than " +
+                        std::to_string(DensityGrid::kMostBlocks) +
+                        " blocks of 8 x 8 x 8; crop it, or use sliced_beams");
     DenseBricks bricks;
     bricks.first = blocks->first;
     bricks.count = blocks->count;
@@ -45,9 +47,11 @@ DenseBricks dense_bricks(const DensityGrid& grid, int largest) {
     bricks.size = size_for(places.size());
     const glm::ivec3 extent = bricks.extent();
     if (std::max({extent.x, extent.y, extent.z}) > largest)
-        throw Error(ExitCode::device, "a grid of " + std::to_string(places.size()) +
-                                          " blocks with density does not fit into a texture of " +
-                                          std::to_string(largest) + " texels a side");
+        throw Error(ExitCode::input_unreadable,
+                    "the grid's " + std::to_string(places.size()) +
+                        " blocks of 8 x 8 x 8 voxels do not fit into a texture of " +
+                        std::to_string(largest) +
+                        " texels a side, which adaptive_beams needs; coarsen it, or use sliced_beams");
     const auto row = static_cast<std::size_t>(extent.x), slice = row * static_cast<std::size_t>(extent.y);
     bricks.texels.assign(slice * static_cast<std::size_t>(extent.z), 0);
     parallel_for(places.size(), kTile, [&](std::size_t begin, std::size_t end) {
@@ -69,6 +73,23 @@ DenseBricks dense_bricks(const DensityGrid& grid, int largest) {
         }
     });
     return bricks;
+}
+
+std::uint64_t brick_bytes(const VdbGridInfo& grid) {
+    if (grid.active_voxels <= 0) return 0;
+    const glm::dvec3 size = glm::dvec3(grid.high >> 3) - glm::dvec3((grid.low - 1) >> 3) + 1.0;
+    const double box = size.x * size.y * size.z;
+    if (box > static_cast<double>(DensityGrid::kMostBlocks)) return 0;
+    // Loading holds two trees, each with 512 floats a leaf; what is no leaf is a tile, full of voxels. Cells
+    // reach one voxel down, into seven more blocks.
+    constexpr double kLeafBytes = 2 * 512 * sizeof(float);
+    const double full = static_cast<double>(grid.active_voxels) / 512;
+    const double reached = 8 * (static_cast<double>(grid.loading_bytes) / kLeafBytes + full);
+    const double occupied = grid.loading_bytes > 0 ? std::min(box, reached) : box;
+    // Twice: in a buffer and in the texture. And numbers of bricks.
+    constexpr double kBrickBytes =
+        2 * DenseBricks::kVoxels * DenseBricks::kVoxels * DenseBricks::kVoxels * sizeof(std::uint16_t);
+    return static_cast<std::uint64_t>(occupied * kBrickBytes + box * 2 * sizeof(std::int32_t));
 }
 
 }  // namespace dapple::grids

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "grids/density_grid.h"
+#include "grids/vdb_file.h"
 
 namespace dapple::grids {
 
@@ -23,9 +24,13 @@ struct DenseBricks {
     glm::ivec3 extent() const { return kVoxels * size; }  ///< texels
 };
 
-/// Of a grid that is not empty. Voxels are rounded to 11 bits of their own size. Throws Error(device) where
-/// the texture would be longer than `largest` texels, or where the grid lies over more blocks than
-/// DensityGrid keeps.
+/// Of a grid that is not empty. Voxels are rounded to 11 bits of their own size. Throws
+/// Error(input_unreadable) where the texture would be longer than `largest` texels, or where the grid lies
+/// over more blocks than DensityGrid keeps.
 DenseBricks dense_bricks(const DensityGrid& grid, int largest);
+
+/// Memory that a grid's bricks take at most, with the copy that they are uploaded from: by the box of its
+/// voxels, and by how many blocks they can reach into. 0 where it has none, or lies over too many blocks.
+std::uint64_t brick_bytes(const VdbGridInfo& grid);
 
 }  // namespace dapple::grids

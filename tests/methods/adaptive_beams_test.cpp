@@ -9,6 +9,7 @@
 
 #include "closed_form/flat_scene.h"
 #include "gpu/validated_device.h"
+#include "methods/adaptive_beams/bounded_beams.h"
 #include "methods/adaptive_frame.h"
 #include "render/segment_lattice.h"
 #include "view/camera_paths.h"
@@ -118,6 +119,9 @@ TEST(AdaptiveBeamsClass, SaysWhatItLeavesOutAndWhatItNeeds) {
     state.objects.push_back(test::glass_ball({0, 1, 0}, 0.3, 1.5));
     EXPECT_GT(method.bytes(state, 0), 2 * water);
     EXPECT_GT(method.bytes(state, 1000), method.bytes(state, 0));
+    const std::size_t clear = method.bytes(state, 0);
+    state.media.emplace_back().type = scene::MediumType::grid;
+    EXPECT_GE(method.bytes(state, 0), clear + methods::adaptive_beams::kLightColumnBytes);
 }
 
 TEST(Ends, OfBeamsOnAShelfLeaveTheFloorBelowItDark) {

@@ -97,7 +97,35 @@ TEST(DenseBricks, HoldEveryVoxelOfTheBlocksThatHaveDensity) {
     EXPECT_GT(empty, 20u);
     // Half floats have 11 bits.
     EXPECT_LT(worst, 0x1p-11 * static_cast<double>(grid->maximum()));
-    EXPECT_THROW(grids::dense_bricks(*grid, 16), Error);
+    try {
+        grids::dense_bricks(*grid, 16);
+        ADD_FAILURE();
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ExitCode::input_unreadable);
+    }
+}
+
+TEST(DenseBricks, TakeNoMoreThanTheirEstimate) {
+    const auto grid = puffs();
+    const grids::DenseBricks bricks = grids::dense_bricks(*grid, 256);
+    grids::VdbGridInfo info;
+    info.low = grid->low();
+    info.high = grid->high();
+    info.active_voxels = static_cast<std::int64_t>(grid->active_voxels());
+    const std::uint64_t box = grids::brick_bytes(info);
+    const auto occupied = static_cast<std::uint64_t>(
+        std::count_if(bricks.brick.begin(), bricks.brick.end(), [](int brick) { return brick >= 0; }));
+    const std::uint64_t needed = 4 * 729 * occupied + 8 * bricks.brick.size();
+    EXPECT_EQ(box, (4 * 729 + 8) * bricks.brick.size());
+    EXPECT_GT(box, needed);
+    // A tree of few leaves in the same box: each reaches into eight blocks at most, besides full tiles.
+    info.loading_bytes = 2 * 2048 * 3;
+    info.active_voxels = 512;
+    EXPECT_EQ(grids::brick_bytes(info), 4 * 729 * 32 + 8 * bricks.brick.size());
+    // As many as blocks with voxels, at least an eighth of those with cells about them.
+    info.active_voxels = 1;
+    info.loading_bytes = 2 * 2048 * occupied;
+    EXPECT_GE(grids::brick_bytes(info), needed);
 }
 
 TEST(MediaColumns, AreThoseOfTheExactWalk) {

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "methods/adaptive_beams/beam_renderer.h"
+#include "methods/adaptive_beams/bounded_beams.h"
 #include "methods/adaptive_beams/make_beams.h"
 #include "methods/adaptive_beams/refinement.h"
 
@@ -63,10 +64,14 @@ std::size_t AdaptiveBeams::bytes(const scene::FrameState& state, std::size_t pix
     // on. Of one view at a time there are its texels and its rays with their paths.
     constexpr double a_pixel = 8 * sizeof(glm::vec4) + 6 * sizeof(glm::vec3);
     constexpr double a_beam = 520, a_ray = 1200;
-    // Bounded media: columns of the rows that are drawn at a time, and of the beams' rays (one for two
-    // beams).
-    const double media = static_cast<double>(state.media.size());
-    const double columns = media > 0 ? 0x1p27 : 0, a_column = 0.5 * media * sizeof(float) * 66;
+    // Bounded media: columns of the rows that are drawn at a time, and of the rays of all beams. Bricks are
+    // in what grids take.
+    const auto grids = static_cast<std::size_t>(
+        std::count_if(state.media.begin(), state.media.end(),
+                      [](const scene::Medium& m) { return m.type == scene::MediumType::grid; }));
+    const double rows = state.media.empty() ? 0 : 0x1p27;
+    const double a_column = static_cast<double>(grids > 0 ? adaptive_beams::least_column_bytes(grids) : 0);
+    const double budget = static_cast<double>(grids > 0 ? adaptive_beams::kLightColumnBytes : 0);
     const scene::AdaptiveBeamsParameters& parameters = state.caustics.adaptive_beams;
     const double side = static_cast<double>(parameters.grid) * static_cast<double>(1 << parameters.levels);
     const double coarse = 2 * static_cast<double>(parameters.grid) * parameters.grid;
@@ -81,8 +86,8 @@ std::size_t AdaptiveBeams::bytes(const scene::FrameState& state, std::size_t pix
     const double texels = 48 * std::min(4 * side * side, 2048.0 * 2048);
     const double beams = bodies * views * 2 * colors * legs * triangles;
     return static_cast<std::size_t>(std::min(0x1p61, a_pixel * static_cast<double>(pixels) + texels +
-                                                         a_ray * 2 * triangles + beams * (a_beam + a_column) +
-                                                         columns));
+                                                         a_ray * 2 * triangles + beams * a_beam +
+                                                         std::max(budget, beams * a_column) + rows));
 }
 
 void AdaptiveBeams::begin(FrameContext& context) {

@@ -144,10 +144,8 @@ void BeamRenderer::begin(const scene::FrameScene& scene, std::span<const BeamSet
         if (!s.bounded_pipelines) s.bounded_pipelines.emplace(s.device);
         s.bounded->begin(scene, *s.media, *s.phases, stats);
     }
-    std::vector<const BoundedSet*> bounded;
-    for (const BeamSet& set : sets)
-        bounded.push_back(
-            !set.triangles.empty() && s.media->bounded(set.in_water) ? &s.bounded->add(set, stats) : nullptr);
+    std::vector<const BoundedSet*> bounded(sets.size(), nullptr);
+    if (s.has_bounded) bounded = s.bounded->add(sets, stats);
     const ScopedPass pass(stats, "beam volumes");
     std::size_t beams = 0, prisms = 0, turning = 0, lost = 0;
     for (std::size_t i = 0; i < sets.size(); ++i) {

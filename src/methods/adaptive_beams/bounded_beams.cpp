@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cstring>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string_view>
+#include <utility>
 
 #include "base/parallel.h"
 #include "layout/beam_media.h"
@@ -19,6 +21,12 @@ static_assert(sizeof(layout::DrawnMedium) == 116);
 constexpr std::size_t kTile = 1 << 12;
 /// Of a beam's lattice of rays, along an edge.
 constexpr std::uint32_t kMostCells = 8;
+constexpr std::uint32_t kLeastPlaces = 2;  ///< on a ray
+
+/// Rays of a lattice.
+constexpr std::uint64_t lines_of(std::uint32_t cells) {
+    return std::uint64_t{cells + 1} * (cells + 2) / 2;
+}
 
 bool is_lobes(scene::PhaseType type) {
     return type == scene::PhaseType::isotropic || type == scene::PhaseType::henyey_greenstein ||
@@ -50,6 +58,11 @@ std::vector<float> phase_values(const media::Media& media, std::vector<int>& fir
 
 }  // namespace
 
+std::uint64_t least_column_bytes(std::size_t grids) {
+    return lines_of(1) *
+           (grids * MediaColumns::entry(kLeastPlaces) * sizeof(float) + sizeof(layout::MediaLine));
+}
+
 glm::vec3 lobes_of(const scene::PhaseFunction& phase) {
     if (phase.type == scene::PhaseType::isotropic) return {0, 0, 1};
     if (phase.type == scene::PhaseType::henyey_greenstein) return glm::dvec3(phase.anisotropy, 0, 1);
@@ -77,18 +90,84 @@ void BoundedBeams::begin(const scene::FrameScene& scene, const media::Media& med
     phases_ = &phases;
     sets_.clear();
     columns_.begin(scene, media, stats);
-    for (const bool side : {false, true}) rays_[side] = columns_.table(side);
+    for (const bool side : {false, true}) {
+        rays_[side] = columns_.table(side);
+        light_[side] = columns_.table(side, MediaColumns::kPlaces, false);
+    }
 }
 
 std::uint32_t BoundedBeams::ray_entry() const {
     return std::max(rays_[0].entry, rays_[1].entry);
 }
 
-/// Rays of beams, and in `beams` which are whose: so many that they are two voxels apart, but `most` cells
-/// along an edge; none of beams that meet no grid.
-std::vector<layout::MediaLine> BoundedBeams::rays_of_beams(const BeamSet& set, double voxel,
-                                                           std::uint32_t most,
-                                                           std::vector<layout::BeamRays>& beams) const {
+/// The lattices of rays of a set's beams.
+struct BoundedBeams::Lattices {
+    const BeamSet* set;
+    std::vector<layout::BeamRays> beams;
+    std::uint64_t count[kMostCells + 1] = {};  ///< of the beams that want so many cells
+    std::uint32_t most = kMostCells;           ///< cells along an edge
+
+    /// With so many cells at most.
+    std::uint64_t lines(std::uint32_t cells) const {
+        std::uint64_t sum = 0;
+        for (std::uint32_t c = 1; c <= kMostCells; ++c) sum += count[c] * lines_of(std::min(c, cells));
+        return sum;
+    }
+};
+
+namespace {
+
+/// The three rays of a beam, from its surface to its end, in the axes of its set.
+struct BeamCorners {
+    glm::dvec3 start[3], slope[3];
+    double length[3];
+
+    BeamCorners(const BeamSet& set, std::size_t beam) {
+        for (int k = 0; k < 3; ++k) {
+            const BeamSet::Vertex& v = set.vertices[set.triangles[beam][k]];
+            slope[k] = {v.slope_a, v.slope_b, 1};
+            start[k] = glm::dvec3(v.a, v.b, 0) + static_cast<double>(v.start) * slope[k];
+            length[k] = static_cast<double>(v.end) - static_cast<double>(v.start);
+        }
+    }
+    double width() const {
+        double widest = 0;
+        for (int k = 0; k < 3; ++k) {
+            const int next = (k + 1) % 3;
+            widest = std::max(
+                {widest, glm::distance(start[k], start[next]),
+                 glm::distance(start[k] + length[k] * slope[k], start[next] + length[next] * slope[next])});
+        }
+        return widest;
+    }
+    /// Visits the rays of its lattice, in the order of layout::BeamRays: origin and direction in the world,
+    /// and the depth at which the ray ends.
+    template <class Visit>
+    void visit_rays(const BeamSet& set, std::uint32_t cells, Visit&& visit) const {
+        for (std::uint32_t a = 0; a <= cells; ++a)
+            for (std::uint32_t b = 0; a + b <= cells; ++b) {
+                const glm::dvec3 share = glm::dvec3(cells - a - b, a, b) / static_cast<double>(cells);
+                const auto mean = [&](const glm::dvec3(&of)[3]) {
+                    return set.world_from_mesh * (share.x * of[0] + share.y * of[1] + share.z * of[2]);
+                };
+                visit(mean(start), mean(slope),
+                      share.x * length[0] + share.y * length[1] + share.z * length[2]);
+            }
+    }
+};
+
+}  // namespace
+
+/// Cells of a set's beams, whose rays are then two voxels apart; none of beams that meet no grid.
+BoundedBeams::Lattices BoundedBeams::wanted(const BeamSet& set) const {
+    Lattices lattices{&set, std::vector<layout::BeamRays>(set.triangles.size(), layout::BeamRays{0, 0})};
+    double voxel = 0;
+    for (const ColumnTable::Column& column : light_[set.in_water].columns)
+        if (column.places > 0) {
+            const auto step = static_cast<double>(columns_.step(column.part));
+            voxel = voxel > 0 ? std::min(voxel, step) : step;
+        }
+    if (!(voxel > 0)) return lattices;
     const auto meets_grid = [&](const glm::dvec3& origin, const glm::dvec3& direction, double length) {
         const std::vector<media::Part>& parts = media_->parts();
         for (std::size_t i = 0; i < parts.size(); ++i)
@@ -97,76 +176,77 @@ std::vector<layout::MediaLine> BoundedBeams::rays_of_beams(const BeamSet& set, d
                 return true;
         return false;
     };
-    const std::size_t tiles = (beams.size() + kTile - 1) / kTile;
-    std::vector<std::vector<layout::MediaLine>> of_tile(tiles);
-    parallel_for(beams.size(), kTile, [&](std::size_t begin, std::size_t end) {
-        std::vector<layout::MediaLine>& lines = of_tile[begin / kTile];
+    parallel_for(lattices.beams.size(), kTile, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
-            glm::dvec3 start[3], slope[3], stop[3];
-            double length[3];
-            for (int k = 0; k < 3; ++k) {
-                const BeamSet::Vertex& v = set.vertices[set.triangles[i][k]];
-                slope[k] = {v.slope_a, v.slope_b, 1};
-                start[k] = glm::dvec3(v.a, v.b, 0) + static_cast<double>(v.start) * slope[k];
-                length[k] = static_cast<double>(v.end) - static_cast<double>(v.start);
-                stop[k] = start[k] + length[k] * slope[k];
-            }
-            double width = 0;
-            for (int k = 0; k < 3; ++k)
-                width = std::max({width, glm::distance(start[k], start[(k + 1) % 3]),
-                                  glm::distance(stop[k], stop[(k + 1) % 3])});
+            const BeamCorners corners(set, i);
             const auto cells = static_cast<std::uint32_t>(
-                std::clamp(std::ceil(width / (2 * voxel)), 1.0, static_cast<double>(most)));
-            const std::size_t first = lines.size();
+                std::clamp(std::ceil(corners.width() / (2 * voxel)), 1.0, static_cast<double>(kMostCells)));
             bool meets = false;
-            for (std::uint32_t a = 0; a <= cells; ++a)
-                for (std::uint32_t b = 0; a + b <= cells; ++b) {
-                    const glm::dvec3 share = glm::dvec3(cells - a - b, a, b) / static_cast<double>(cells);
-                    const auto mean = [&](const glm::dvec3(&of)[3]) {
-                        return set.world_from_mesh * (share.x * of[0] + share.y * of[1] + share.z * of[2]);
-                    };
-                    const glm::dvec3 origin = mean(start), direction = mean(slope);
-                    const double end_of_ray = share.x * length[0] + share.y * length[1] + share.z * length[2];
-                    const double stretch = glm::length(direction);
-                    meets = meets || meets_grid(origin, direction / stretch, end_of_ray * stretch);
-                    lines.push_back(
-                        {origin, direction, 0, static_cast<float>(end_of_ray), set.in_water ? 1.0f : 0.0f});
-                }
-            beams[i] = {static_cast<std::uint32_t>(first), meets ? cells : 0};
-            if (!meets) lines.resize(first);
+            corners.visit_rays(set, cells,
+                               [&](const glm::dvec3& origin, const glm::dvec3& direction, double to) {
+                                   const double stretch = glm::length(direction);
+                                   meets = meets || meets_grid(origin, direction / stretch, to * stretch);
+                               });
+            lattices.beams[i].cells = meets ? cells : 0;
         }
     });
-    std::vector<layout::MediaLine> all;
-    for (std::size_t tile = 0; tile < tiles; ++tile) {
-        for (std::size_t i = tile * kTile; i < std::min(beams.size(), (tile + 1) * kTile); ++i)
-            beams[i].first += static_cast<std::uint32_t>(all.size());
-        all.insert(all.end(), of_tile[tile].begin(), of_tile[tile].end());
-    }
-    return all;
+    for (const layout::BeamRays& beam : lattices.beams) ++lattices.count[beam.cells];
+    return lattices;
 }
 
-const BoundedSet& BoundedBeams::add(const BeamSet& set, FrameStats& stats) {
-    auto pass = std::make_unique<ScopedPass>(stats, "columns of media");
-    // Where there are very many rays, fewer of them, and then fewer places on each.
-    ColumnTable light = columns_.table(set.in_water, MediaColumns::kPlaces, false);
-    double voxel = 0;
-    for (const ColumnTable::Column& column : light.columns)
-        if (column.places > 0) {
-            const auto step = static_cast<double>(columns_.step(column.part));
-            voxel = voxel > 0 ? std::min(voxel, step) : step;
+/// Chooses cells, fewer where there are very many rays, and then places on each, so that buffers can be bound
+/// and all is within the budget; gives each beam its rays.
+void BoundedBeams::thin_out(std::vector<Lattices>& all) {
+    const auto entry = [&](const Lattices& l) {
+        return light_[l.set->in_water].entry * std::uint64_t{sizeof(float)};
+    };
+    const auto largest = [&](const Lattices& l) {
+        return l.lines(l.most) * std::max<std::uint64_t>(entry(l), sizeof(layout::MediaLine));
+    };
+    const auto total = [&](std::uint32_t most) {
+        std::uint64_t sum = 0;
+        for (const Lattices& l : all)
+            sum += l.lines(std::min(most, l.most)) * (entry(l) + sizeof(layout::MediaLine));
+        return sum;
+    };
+    for (Lattices& l : all)
+        while (l.most > 1 && largest(l) > largest_buffer_) l.most /= 2;
+    std::uint32_t most = kMostCells;
+    while (most > 1 && total(most) > kLightColumnBytes) most /= 2;
+    const auto too_much = [&] {
+        return total(most) > kLightColumnBytes || std::any_of(all.begin(), all.end(), [&](const Lattices& l) {
+                   return largest(l) > largest_buffer_;
+               });
+    };
+    for (std::uint32_t places = MediaColumns::kPlaces / 2; places >= kLeastPlaces && too_much(); places /= 2)
+        for (const bool side : {false, true}) light_[side] = columns_.table(side, places, false);
+    for (Lattices& l : all) {
+        l.most = std::min(most, l.most);
+        std::uint32_t first = 0;
+        for (layout::BeamRays& beam : l.beams) {
+            beam = {first, std::min(beam.cells, l.most)};
+            first += beam.cells > 0 ? static_cast<std::uint32_t>(lines_of(beam.cells)) : 0;
         }
-    std::vector<layout::BeamRays> beams(set.triangles.size(), layout::BeamRays{0, 0});
-    std::vector<layout::MediaLine> lines;
-    const auto bytes = [&](std::size_t count) { return std::uint64_t{light.entry} * count * sizeof(float); };
-    for (std::uint32_t most = kMostCells; most > 0 && voxel > 0; most /= 2) {
-        lines = rays_of_beams(set, voxel, most, beams);
-        if (bytes(lines.size()) <= largest_buffer_) break;
     }
-    for (std::uint32_t places = MediaColumns::kPlaces / 2;
-         places >= 2 && bytes(lines.size()) > largest_buffer_; places /= 2)
-        light = columns_.table(set.in_water, places, false);
+}
 
-    const ColumnTable& rays = rays_[set.in_water];
+void BoundedBeams::write_lines(const Lattices& lattices, std::span<layout::MediaLine> lines) const {
+    const BeamSet& set = *lattices.set;
+    parallel_for(lattices.beams.size(), kTile, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            if (lattices.beams[i].cells == 0) continue;
+            std::size_t at = lattices.beams[i].first;
+            BeamCorners(set, i).visit_rays(
+                set, lattices.beams[i].cells,
+                [&](const glm::dvec3& origin, const glm::dvec3& direction, double to) {
+                    lines[at++] = {origin, direction, 0, static_cast<float>(to), set.in_water ? 1.0f : 0.0f};
+                });
+        }
+    });
+}
+
+gpu::Buffer BoundedBeams::media_of(const BeamSet& set) const {
+    const ColumnTable &rays = rays_[set.in_water], &light = light_[set.in_water];
     const std::uint32_t head[] = {ray_entry(), light.entry};
     std::vector<layout::DrawnMedium> drawn;
     const auto& components = media_->components();
@@ -203,17 +283,43 @@ const BoundedSet& BoundedBeams::add(const BeamSet& set, FrameStats& stats) {
     std::copy_n(head, 2, media.as<std::uint32_t>().begin());
     std::memcpy(static_cast<std::byte*>(media.data()) + sizeof(head), drawn.data(),
                 drawn.size() * sizeof(layout::DrawnMedium));
-    BoundedSet& added = sets_.emplace_back(
-        BoundedSet{std::move(media),
-                   gpu::Buffer(device_, "columns along light",
-                               std::max<std::uint64_t>(bytes(lines.size()), sizeof(float))),
-                   std::move(beams)});
-    const gpu::Buffer uploaded = filled(device_, "rays of light", lines);
+    return media;
+}
+
+std::vector<const BoundedSet*> BoundedBeams::add(std::span<const BeamSet> sets, FrameStats& stats) {
+    auto pass = std::make_unique<ScopedPass>(stats, "columns of media");
+    std::vector<const BoundedSet*> added(sets.size(), nullptr);
+    std::vector<std::size_t> index;
+    std::vector<Lattices> all;
+    for (std::size_t i = 0; i < sets.size(); ++i) {
+        if (sets[i].triangles.empty() || !media_->bounded(sets[i].in_water)) continue;
+        index.push_back(i);
+        all.push_back(wanted(sets[i]));
+    }
+    thin_out(all);
     pass.reset();
-    if (lines.empty()) return added;
-    gpu::PassList passes(device_);
-    columns_.add(passes, light, set.in_water, uploaded, lines.size(), added.light_columns, light.entry);
-    passes.run(stats);
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        pass = std::make_unique<ScopedPass>(stats, "columns of media");
+        const BeamSet& set = *all[i].set;
+        const ColumnTable& light = light_[set.in_water];
+        const std::size_t count = all[i].lines(all[i].most);
+        gpu::Buffer media = media_of(set);
+        gpu::Buffer columns(device_, "columns along light",
+                            std::max<std::uint64_t>(1, light.entry * count) * sizeof(float));
+        std::optional<gpu::Buffer> lines;
+        if (count > 0) {
+            lines.emplace(device_, "rays of light", count * sizeof(layout::MediaLine),
+                          gpu::BufferMemory::device);
+            write_lines(all[i], lines->as<layout::MediaLine>());
+        }
+        added[index[i]] =
+            &sets_.emplace_back(BoundedSet{std::move(media), std::move(columns), std::move(all[i].beams)});
+        pass.reset();
+        if (count == 0) continue;
+        gpu::PassList passes(device_);
+        columns_.add(passes, light, set.in_water, *lines, count, sets_.back().light_columns, light.entry);
+        passes.run(stats);
+    }
     return added;
 }
 

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <list>
+#include <span>
 #include <vector>
 
 #include "base/stats.h"
@@ -17,6 +18,12 @@
 #include "view/segment_layer.h"
 
 namespace dapple::methods::adaptive_beams {
+
+/// Bytes of the columns along all rays of a frame's beams, and of those rays, at most; but for what the
+/// coarsest take.
+constexpr std::uint64_t kLightColumnBytes = std::uint64_t{512} << 20;
+/// And these of a beam, for so many grids.
+std::uint64_t least_column_bytes(std::size_t grids);
 
 /// Mean cosines of two lobes and the first one's share; of other functions this is -1.
 glm::vec3 lobes_of(const scene::PhaseFunction& phase);
@@ -58,9 +65,10 @@ public:
     /// A frame's media, which must outlive their use.
     void begin(const scene::FrameScene& scene, const media::Media& media, const PhaseTables& phases,
                FrameStats& stats);
-    /// Finds the columns of grids along rays of a set's beams, about two voxels apart, at so many depths. The
-    /// result lives to the next begin().
-    const BoundedSet& add(const BeamSet& set, FrameStats& stats);
+    /// All sets of the frame: finds the columns of grids along rays of their beams, about two voxels apart,
+    /// at so many depths; fewer of both where they would take too much memory. A result a set, which lives to
+    /// the next begin(); null where its side of the water has no bounded media.
+    std::vector<const BoundedSet*> add(std::span<const BeamSet> sets, FrameStats& stats);
     /// Floats of a pixel's columns.
     std::uint32_t ray_entry() const;
     /// Of `count` pixels from `first` on; no segments: of none.
@@ -69,8 +77,11 @@ public:
     void add_passes(gpu::PassList& passes, const RayColumns& columns) const;
 
 private:
-    std::vector<layout::MediaLine> rays_of_beams(const BeamSet& set, double voxel, std::uint32_t most,
-                                                 std::vector<layout::BeamRays>& beams) const;
+    struct Lattices;
+    Lattices wanted(const BeamSet& set) const;
+    void thin_out(std::vector<Lattices>& all);
+    void write_lines(const Lattices& lattices, std::span<layout::MediaLine> lines) const;
+    gpu::Buffer media_of(const BeamSet& set) const;
 
     gpu::Device& device_;
     std::uint64_t largest_buffer_;
@@ -78,7 +89,8 @@ private:
     const scene::FrameScene* scene_ = nullptr;
     const media::Media* media_ = nullptr;
     const PhaseTables* phases_ = nullptr;
-    ColumnTable rays_[2];  ///< of camera rays in air and in water
+    ColumnTable rays_[2];   ///< of camera rays in air and in water
+    ColumnTable light_[2];  ///< of rays of beams
     std::list<BoundedSet> sets_;
 };
 

@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 
+#include "base/error.h"
 #include "grids/dense_bricks.h"
 #include "spirv/adaptive_beams_columns_comp.h"
 
@@ -65,7 +66,11 @@ Uploaded MediaColumns::State::upload(const scene::FrameScene& scene, const media
     float thickest = body.density, step = std::numeric_limits<float>::max();
     if (scene.state.media[medium].type == scene::MediumType::grid) {
         const grids::DensityGrid& grid = *scene.medium_grids[medium];
-        bricks = grids::dense_bricks(grid, device.largest_volume());
+        try {
+            bricks = grids::dense_bricks(grid, device.largest_volume());
+        } catch (const Error& error) {
+            throw Error(error.code(), "medium " + scene.state.media[medium].name + ": " + error.what());
+        }
         body.density *= bricks.scale;
         thickest *= grid.maximum();
         step = static_cast<float>(voxel(place));
@@ -80,13 +85,14 @@ Uploaded MediaColumns::State::upload(const scene::FrameScene& scene, const media
         bricks.brick.assign(1, -1);
     }
     const glm::ivec3 extent = body.grid == 1 ? bricks.extent() : glm::ivec3(1);
+    gpu::Buffer texels(device, "texels of a grid", bricks.texels.size() * sizeof(std::uint16_t));
+    std::copy(bricks.texels.begin(), bricks.texels.end(), texels.as<std::uint16_t>().begin());
+    bricks.texels = {};  // before the image takes as much
     Uploaded uploaded{gpu::Buffer(device, "body of a medium", sizeof(body)),
                       gpu::Buffer(device, "blocks of a grid", bricks.brick.size() * sizeof(std::int32_t)),
                       gpu::Image(device, "bricks of a grid", {extent.x, extent.y, extent.z}), step, thickest};
     uploaded.body.as<layout::MediaBody>()[0] = body;
     std::copy(bricks.brick.begin(), bricks.brick.end(), uploaded.blocks.as<std::int32_t>().begin());
-    gpu::Buffer texels(device, "texels of a grid", bricks.texels.size() * sizeof(std::uint16_t));
-    std::copy(bricks.texels.begin(), bricks.texels.end(), texels.as<std::uint16_t>().begin());
     pass.reset();
     gpu::PassList passes(device);
     passes.copy("columns of media", texels, uploaded.bricks);
@@ -105,14 +111,13 @@ void MediaColumns::begin(const scene::FrameScene& scene, const media::Media& med
 }
 
 ColumnTable MediaColumns::table(bool in_water, std::uint32_t places, bool boxes) const {
-    constexpr std::uint32_t kHead = 2;
     ColumnTable table;
     const std::vector<media::Part>& parts = state_->media->parts();
     for (std::size_t i = 0; i < parts.size(); ++i) {
         if (!parts[i].on(in_water)) continue;
         const std::uint32_t wanted = is_box(i) ? (boxes ? 2u : 0u) : places;
         table.columns.push_back({i, table.entry, wanted});
-        if (wanted > 0) table.entry += kHead + wanted;
+        if (wanted > 0) table.entry += entry(wanted);
     }
     return table;
 }

@@ -33,6 +33,8 @@ class MediaColumns {
 public:
     /// Places of a grid on a line.
     static constexpr std::uint32_t kPlaces = 64;
+    /// Floats of a medium with so many places on a line.
+    static constexpr std::uint32_t entry(std::uint32_t places) { return 2 + places; }
 
     explicit MediaColumns(gpu::Device& device);
     ~MediaColumns();
