@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "grids/dense_bricks.h"
 #include "grids/grid_sequence.h"
 #include "grids/vdb_file.h"
 #include "input/closed_mesh.h"
@@ -33,12 +34,18 @@ std::uint64_t sum_that_fits(std::uint64_t a, std::uint64_t b) {
     return a < most && b < most ? a + b : most;
 }
 
+/// Memory for a grid, from what its file says.
+struct GridBytes {
+    std::uint64_t loading = 0;
+    std::uint64_t bricks = 0;  ///< for each medium that shows it, of adaptive_beams
+};
+
 }  // namespace
 
 struct FrameSceneBuilder::State {
     std::uint64_t most_grid_bytes = std::uint64_t{4} << 30;
     std::map<GridPlace, std::shared_ptr<const grids::DensityGrid>> grids;
-    std::map<GridPlace, std::uint64_t> loading_bytes;
+    std::map<GridPlace, GridBytes> known_bytes;
     std::string water_key;
     std::unique_ptr<ocean::WaterSurface> surface;
     std::map<std::string, std::shared_ptr<const scene::TriangleMesh>> meshes;
@@ -92,14 +99,14 @@ struct FrameSceneBuilder::State {
         return shown;
     }
 
-    std::uint64_t bytes_of(const GridPlace& place) {
-        const auto known = loading_bytes.find(place);
-        if (known != loading_bytes.end()) return known->second;
-        std::uint64_t bytes = 0;  // also of a grid that is not there, which loading will say
+    const GridBytes& bytes_of(const GridPlace& place) {
+        const auto known = known_bytes.find(place);
+        if (known != known_bytes.end()) return known->second;
+        GridBytes bytes;  // none also of a grid that is not there, which loading will say
         for (const grids::VdbGridInfo& info : grids::read_vdb_info(place.first)) {
-            if (info.name == place.second) bytes = info.loading_bytes;
+            if (info.name == place.second) bytes = {info.loading_bytes, grids::brick_bytes(info)};
         }
-        return loading_bytes[place] = bytes;
+        return known_bytes[place] = bytes;
     }
 };
 
@@ -126,11 +133,16 @@ void FrameSceneBuilder::limit_grids(std::uint64_t most_bytes) {
 }
 
 std::uint64_t FrameSceneBuilder::grid_bytes(const scene::FrameState& state) {
+    const bool bricks = state.caustics.method == "adaptive_beams";
     std::map<GridPlace, std::uint64_t> places;
-    for (const scene::Medium& medium : state.media) {
-        if (const auto place = grid_place(state, medium)) places[*place] = state_->bytes_of(*place);
-    }
     std::uint64_t sum = 0;
+    for (const scene::Medium& medium : state.media) {
+        const auto place = grid_place(state, medium);
+        if (!place) continue;
+        const GridBytes& bytes = state_->bytes_of(*place);
+        places[*place] = bytes.loading;
+        if (bricks) sum = sum_that_fits(sum, bytes.bricks);
+    }
     for (const auto& [place, bytes] : places) sum = sum_that_fits(sum, bytes);
     return sum;
 }

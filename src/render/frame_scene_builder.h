@@ -17,8 +17,8 @@ public:
 
     /// Memory that the grids of a frame may take, 4 GiB unless it is said.
     void limit_grids(std::uint64_t most_bytes);
-    /// Memory that they take while they are loaded, as their files say; voxels are not read. The errors of
-    /// build() where a file cannot be read.
+    /// Memory that they take while they are loaded, as their files say, with the dense bricks that
+    /// adaptive_beams makes of them; voxels are not read. The errors of build() where a file cannot be read.
     std::uint64_t grid_bytes(const scene::FrameState& state);
 
 private:

@@ -95,6 +95,11 @@ TEST(FrameSceneBuilder, GridsStayWithinTheirMemory) {
     }
     builder.limit_grids(bytes);
     EXPECT_NE(builder.build(state).medium_grids[0], nullptr);
+    scene::FrameState with_bricks = state;
+    with_bricks.caustics.method = "adaptive_beams";
+    // A texel of two bytes a voxel at least, in the texture and in what it is uploaded from.
+    const auto voxels = builder.build(state).medium_grids[0]->active_voxels();
+    EXPECT_GT(builder.grid_bytes(with_bricks), bytes + 4 * voxels);
 }
 
 TEST(FrameSceneBuilder, GlassIsMadeOfClosedMeshes) {
