@@ -178,10 +178,7 @@ TEST(VolumeLowSun, OfHalfADegreeScattersWhatPasses) {
         look_at(state, slab, DAPPLE_LONG ? 32 : 8);
         // Waves of slopes past the sun's elevation shade each other: the mesh is fine, as brute force sees
         // the analytic waves.
-        // Adaptive beams take landing points that are right to a pixel for good, here 12 cm below waves
-        // of 70.
-        expect_all_light(waves ? "sun at 0.5 deg, waves" : "sun at 0.5 deg, flat", state, slab, 0.01,
-                         waves && !DAPPLE_LONG ? 0.02 : 0.01);
+        expect_all_light(waves ? "sun at 0.5 deg, waves" : "sun at 0.5 deg, flat", state, slab, 0.01, 0.01);
     }
 }
 
@@ -331,9 +328,7 @@ void expect_part_below(const char* what, scene::FrameState state) {
     const double found = rendered(by_adaptive_beams(state)).mean;
     printf("%s, from below: adaptive beams %+.2e of sliced beams\n", what, found / expected - 1);
     EXPECT_GT(expected, 0);
-    // They take landing points that are right to a pixel for good, here 1.5 cm below waves of 80 cm; a few
-    // waves light this small piece.
-    EXPECT_NEAR(found, expected, 0.03 * expected) << what;
+    EXPECT_NEAR(found, expected, 0.01 * expected) << what;
 }
 
 scene::FrameState straddled() {
