@@ -23,7 +23,7 @@ layout(scalar, binding = 7) buffer Sums { ScatterSum sums[]; };
 layout(scalar, push_constant) uniform Push { ScatterPush push; };
 
 // Nodes, beams and parts of pieces after which a dispatch walks no further. The pieces that were put off till then, 79
-// at most, are worked to their ends: about 1500 parts each at worst, in which a piece of a thick medium ends at a focus.
+// at most, are worked to their ends: up to some thousand parts each, where way through a thick medium ends near a focus.
 const uint kMostWork = 4096;
 const float kMostParts = 1024.0;  // of a piece
 const float kOpaque = 60.0;       // optical depth that nothing is left after

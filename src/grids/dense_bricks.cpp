@@ -82,13 +82,13 @@ std::uint64_t brick_bytes(const VdbGridInfo& grid) {
     if (box > static_cast<double>(DensityGrid::kMostBlocks)) return 0;
     // Loading holds two trees, each with 512 floats a leaf; what is no leaf is a tile, full of voxels. Cells
     // reach one voxel down, into seven more blocks.
-    constexpr double kLeafBytes = 2 * 512 * sizeof(float);
+    constexpr double kLeafBytes = 2.0 * 512 * sizeof(float);
     const double full = static_cast<double>(grid.active_voxels) / 512;
     const double reached = 8 * (static_cast<double>(grid.loading_bytes) / kLeafBytes + full);
     const double occupied = grid.loading_bytes > 0 ? std::min(box, reached) : box;
     // Twice: in a buffer and in the texture. And numbers of bricks.
     constexpr double kBrickBytes =
-        2 * DenseBricks::kVoxels * DenseBricks::kVoxels * DenseBricks::kVoxels * sizeof(std::uint16_t);
+        2.0 * DenseBricks::kVoxels * DenseBricks::kVoxels * DenseBricks::kVoxels * sizeof(std::uint16_t);
     return static_cast<std::uint64_t>(occupied * kBrickBytes + box * 2 * sizeof(std::int32_t));
 }
 
