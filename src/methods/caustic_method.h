@@ -81,6 +81,8 @@ public:
     virtual bool follows_glass() const { return false; }
     /// Memory that it needs beside the scene, in bytes.
     virtual std::size_t bytes(const scene::FrameState& state, std::size_t pixels) const = 0;
+    /// What comes on top on devices of a type.
+    virtual std::size_t bytes_on(gpu::DeviceType, const scene::FrameState&) const { return 0; }
     /// Light side, once a frame.
     virtual void begin(FrameContext& context) = 0;
     /// E of each layer; any batching of layers gives the same bits. `results` has one entry a layer.

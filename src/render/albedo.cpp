@@ -1,22 +1,14 @@
 #include "render/albedo.h"
 
 #include "base/parallel.h"
-#include "render/texture_files.h"
 
 namespace dapple::render {
 
-struct AlbedoSource::State {
-    TextureFiles textures;
-};
-
-AlbedoSource::AlbedoSource() : state_(std::make_unique<State>()) {}
-AlbedoSource::~AlbedoSource() = default;
-
-std::vector<glm::vec3> AlbedoSource::albedo(const scene::FrameScene& scene,
-                                            const view::ReceiverLayer& layer) {
+std::vector<glm::vec3> find_albedo(const scene::FrameScene& scene, const view::ReceiverLayer& layer,
+                                   TextureFiles& files) {
     std::vector<std::shared_ptr<const image::Texture>> textures;
     for (const scene::Object& object : scene.state.objects) {
-        textures.push_back(state_->textures.get(object.material.texture, scene.state.output));
+        textures.push_back(files.get(object.material.texture, scene.state.output));
     }
     std::vector<glm::vec3> albedo(layer.pixels(), glm::vec3(0));
     parallel_for(layer.pixels(), 4096, [&](std::size_t begin, std::size_t end) {

@@ -94,7 +94,6 @@ methods::LayerResult not_covered(std::size_t count) {
 struct Kept {
     gpu::Device& device;
     FrameSceneBuilder builder;
-    AlbedoSource albedo;
     std::map<std::string, std::unique_ptr<methods::CausticMethod>> methods;
 
     methods::CausticMethod& method(const std::string& name) {
@@ -235,7 +234,7 @@ private:
             LayerShading shading;
             shading.caustics = std::move(results[i]);
             const std::vector<glm::vec3> dark(layers[i].pixels(), glm::vec3(0));
-            shading.albedo = kept_.albedo.albedo(scene_, layers[i]);
+            shading.albedo = find_albedo(scene_, layers[i], kept_.builder.textures());
             shading.direct = plan_.direct_light ? direct_irradiance(scene_, media_, rays_, layers[i]) : dark;
             shading.sky = plan_.sky_light ? sky_irradiance(scene_, layers[i]) : dark;
             shading.flat_water =
@@ -277,7 +276,7 @@ struct FrameRenderer::State {
     }
 };
 
-FrameRenderer::FrameRenderer(gpu::Device& device) : state_(new State{{device, {}, {}, {}}, {}}) {}
+FrameRenderer::FrameRenderer(gpu::Device& device) : state_(new State{{device, {}, {}}, {}}) {}
 FrameRenderer::~FrameRenderer() = default;
 
 std::vector<PlanLine> FrameRenderer::plan(const scene::FrameState& state) {
@@ -315,7 +314,9 @@ std::size_t FrameRenderer::State::other_bytes(const scene::FrameState& given) {
         const ocean::GridSize grid = ocean::grid_size(*state.water);
         sum += grid.vertices() * kWaterVertexBytes + grid.triangles() * kWaterTriangleBytes;
     }
-    return sum + kept.method(state.caustics.method).bytes(state, static_cast<std::size_t>(count));
+    const methods::CausticMethod& method = kept.method(state.caustics.method);
+    return sum + method.bytes(state, static_cast<std::size_t>(count)) +
+           method.bytes_on(kept.device.info().type, state);
 }
 
 }  // namespace dapple::render

@@ -15,7 +15,6 @@
 #include "input/mesh_file.h"
 #include "ocean/lamp_mesh.h"
 #include "ocean/water_surface.h"
-#include "render/texture_files.h"
 
 namespace dapple::render {
 namespace {
@@ -126,6 +125,10 @@ scene::FrameScene FrameSceneBuilder::build(const scene::FrameState& state) {
         built.light_textures.push_back(state_->textures.of_light(light, state.output));
     built.medium_grids = state_->medium_grids(state);
     return built;
+}
+
+TextureFiles& FrameSceneBuilder::textures() {
+    return state_->textures;
 }
 
 void FrameSceneBuilder::limit_grids(std::uint64_t most_bytes) {

@@ -2,6 +2,7 @@
 #include <cstdint>
 #include <memory>
 
+#include "render/texture_files.h"
 #include "scene/frame_scene.h"
 
 namespace dapple::render {
@@ -14,6 +15,10 @@ public:
     FrameSceneBuilder();
     ~FrameSceneBuilder();
     scene::FrameScene build(const scene::FrameState& state);
+
+    /// The pictures that it has read, for all who need some. No estimate of memory counts them: 16 B a pixel
+    /// with their levels.
+    TextureFiles& textures();
 
     /// Memory that the grids of a frame may take, 4 GiB unless it is said.
     void limit_grids(std::uint64_t most_bytes);

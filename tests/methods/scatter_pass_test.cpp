@@ -10,6 +10,7 @@
 #include "gpu/validated_device.h"
 #include "methods/sliced_beams/sliced_beams.h"
 #include "methods/sliced_beams/volume_light.h"
+#include "ocean/grid_size.h"
 
 namespace dapple {
 namespace {
@@ -358,6 +359,14 @@ TEST(ScatterPass, IsChosenByTheTypeOfTheDevice) {
     EXPECT_TRUE(walked(methods::CoverageBackend::compute));
     EXPECT_FALSE(walked(methods::CoverageBackend::cpu));
     EXPECT_EQ(walked(methods::CoverageBackend::automatic), device.info().type != gpu::DeviceType::cpu);
+    // So is the memory that its copy of the beams takes.
+    const methods::SlicedBeams method;
+    scene.state.water->mesh_cells = 100;
+    const auto triangles = static_cast<double>(ocean::grid_size(*scene.state.water).triangles());
+    EXPECT_EQ(method.bytes_on(gpu::DeviceType::cpu, scene.state), 0U);
+    EXPECT_GT(static_cast<double>(method.bytes_on(gpu::DeviceType::discrete, scene.state)), 80 * triangles);
+    scene.state.water->scattering = glm::dvec3(0);
+    EXPECT_EQ(method.bytes_on(gpu::DeviceType::discrete, scene.state), 0U);
 }
 
 }  // namespace

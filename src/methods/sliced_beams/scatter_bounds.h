@@ -37,7 +37,8 @@ public:
     template <class Visit>
     void visit(const SegmentLanes<Real>& segments, glm::vec<2, Real> shift, Visit&& visit) const;
 
-    static double bytes_a_cluster() { return sizeof(Node) * 4.0 / 3 * (kSlabs + 1); }
+    static double nodes_a_cluster() { return 4.0 / 3 * (kSlabs + 1); }
+    static double bytes_a_cluster() { return sizeof(Node) * nodes_a_cluster(); }
 
     /// Leaves out the clusters that hold nothing any more, by their index in the finest level: 1 a cluster.
     void leave_out(std::vector<std::uint8_t> clusters);

@@ -16,6 +16,12 @@ struct ScatterTree {
     float largest = 0;                       ///< m, as ScatterBounds::largest()
 
     explicit ScatterTree(const ScatterSheet<float>& sheet);
+
+    static double bytes_a_vertex() { return sizeof(layout::ScatterRay) + sizeof(float); }
+    static double bytes_a_beam() {
+        return sizeof(layout::ScatterBeam) +
+               sizeof(layout::ScatterNode) * ScatterBounds<float>::nodes_a_cluster() / kClusterBeams;
+    }
 };
 
 }  // namespace dapple::methods::sliced_beams

@@ -11,6 +11,7 @@
 #include "methods/sliced_beams/light_lattice.h"
 #include "methods/sliced_beams/point_query.h"
 #include "methods/sliced_beams/scatter_pass.h"
+#include "methods/sliced_beams/scatter_tree.h"
 #include "methods/sliced_beams/sheet_coverage.h"
 #include "methods/sliced_beams/volume_light.h"
 #include "ocean/grid_size.h"
@@ -45,7 +46,7 @@ struct SlicedBeams::State {
     std::optional<LightLattice> lattice;  ///< of one call of irradiance(), where a sheet has a disc
     std::optional<VolumeLight> volume;    ///< once a frame's segments have been asked for
 
-    bool computes(const gpu::Device& device) const;
+    bool computes(gpu::DeviceType type) const;
     void choose_backend(FrameContext& context);
     void find_shared(const FrameContext& context, std::span<const view::ReceiverLayer> layers,
                      QueryCounts& counts);
@@ -112,6 +113,24 @@ Support SlicedBeams::supports_surface(const scene::FrameState& state) const {
     return {Support::Degree::yes, "all receivers, also behind water and mirrors"};
 }
 
+namespace {
+
+/// Sheets of beams of a light.
+struct SheetCounts {
+    double transmitted, reflected;
+};
+
+SheetCounts sheet_counts(const scene::FrameState& state, const scene::Light& light) {
+    const bool disc = light.type == scene::LightType::sun && light.angular_diameter > 0;
+    const double parts = disc ? state.caustics.sliced_beams.sun_samples : 1;
+    const double dimmed = light::may_part_channels(state, light) ? 3 : 1;
+    const double bands = state.water->dispersion > 0 ? 3 : dimmed;
+    // Lamps send reflected light about further axes: five sheets, measured for a low one.
+    return {parts * bands, parts * dimmed * (light.type == scene::LightType::sun ? 1 : 5)};
+}
+
+}  // namespace
+
 std::size_t SlicedBeams::bytes(const scene::FrameState& state, std::size_t) const {
     if (!state.water || state.water->surface.type == scene::WaterSurfaceType::mesh_sequence) return 0;
     const ocean::GridSize grid = ocean::grid_size(*state.water);
@@ -130,12 +149,8 @@ std::size_t SlicedBeams::bytes(const scene::FrameState& state, std::size_t) cons
     }
     double sheets = 0;
     for (const scene::Light& light : state.lights) {
-        const bool disc = light.type == scene::LightType::sun && light.angular_diameter > 0;
-        const double parts = disc ? state.caustics.sliced_beams.sun_samples : 1;
-        const double dimmed = light::may_part_channels(state, light) ? 3 : 1;
-        const double bands = state.water->dispersion > 0 ? 3 : dimmed;
-        // Lamps send reflected light about further axes: five sheets, measured for a low one.
-        sheets += parts * (bands + dimmed * (light.type == scene::LightType::sun ? 1 : 5));
+        const SheetCounts counts = sheet_counts(state, light);
+        sheets += counts.transmitted + counts.reflected;
     }
     // While beams are traced and paths counted: events of vertices, shares and flags of triangles; on the
     // device a copy of the rays and indices of corners.
@@ -145,6 +160,26 @@ std::size_t SlicedBeams::bytes(const scene::FrameState& state, std::size_t) cons
     const double beside = (29 + depths) * vertices + 22 * triangles;
     return static_cast<std::size_t>(
         std::min(0x1p61, beside + sheets * (vertex * vertices + beam * triangles)));
+}
+
+std::size_t SlicedBeams::bytes_on(gpu::DeviceType type, const scene::FrameState& state) const {
+    if (!state_->computes(type) || !state.water ||
+        state.water->surface.type == scene::WaterSurfaceType::mesh_sequence)
+        return 0;
+    if (state.media.empty() && state.water->scattering == glm::dvec3(0)) return 0;
+    // Of the sheets in the water, which the pass of scattered light takes, and of one the host's copy while
+    // it goes up.
+    double sheets = 1;
+    for (const scene::Light& light : state.lights) {
+        const SheetCounts counts = sheet_counts(state, light);
+        const bool below = light.type != scene::LightType::sun && light.position.y < 0;
+        sheets += below ? counts.reflected : counts.transmitted;
+    }
+    const ocean::GridSize grid = ocean::grid_size(*state.water);
+    using sliced_beams::ScatterTree;
+    return static_cast<std::size_t>(
+        std::min(0x1p61, sheets * (ScatterTree::bytes_a_vertex() * static_cast<double>(grid.vertices()) +
+                                   ScatterTree::bytes_a_beam() * static_cast<double>(grid.triangles()))));
 }
 
 namespace {
@@ -169,14 +204,14 @@ void count_left_out(const view::ReceiverLayer& layer, const LayerResult& result,
 
 }  // namespace
 
-bool SlicedBeams::State::computes(const gpu::Device& device) const {
+bool SlicedBeams::State::computes(gpu::DeviceType type) const {
     return backend == CoverageBackend::compute ||
-           (backend == CoverageBackend::automatic && computes_by_default(device.info().type));
+           (backend == CoverageBackend::automatic && computes_by_default(type));
 }
 
 void SlicedBeams::State::choose_backend(FrameContext& context) {
     const ScopedPass pass_time(context.stats, "coverage");
-    on_device = computes(context.device);
+    on_device = computes(context.device.info().type);
     if (!on_device) return;
     if (!pass) pass = std::make_unique<CoveragePass>(context.device);
     on_device = pass->begin(sheets);
@@ -264,7 +299,7 @@ void SlicedBeams::in_scatter(FrameContext& context, const view::SegmentLayer& la
                              std::span<glm::vec3> radiance) {
     if (!state_->volume) {
         const ScopedPass pass(context.stats, "scattering");
-        if (state_->computes(context.device) && !state_->scatter_pass)
+        if (state_->computes(context.device.info().type) && !state_->scatter_pass)
             state_->scatter_pass = std::make_unique<ScatterPass>(context.device);
         state_->volume.emplace(context.scene, state_->sheets, context.stats, state_->scatter_pass.get());
     }
