@@ -49,9 +49,9 @@ CameraRay ray_of(const ViewScene& scene, std::size_t pixel) {
     const auto& state = scene.frame.state;
     const auto width = static_cast<std::size_t>(state.clip.width);
     CameraRay ray{};
+    const std::size_t column = pixel % width, row = pixel / width;
     Camera(state.camera, state.clip.width, state.clip.height)
-        .ray({static_cast<double>(pixel % width) + 0.5, static_cast<double>(pixel / width) + 0.5}, ray.origin,
-             ray.direction);
+        .ray(glm::dvec2(column, row) + 0.5, ray.origin, ray.direction);
     return ray;
 }
 
