@@ -190,15 +190,15 @@ TEST(Gobo, IrradianceBelowABallIsTheReferences) {
     for (const auto& picture : {std::shared_ptr<const image::Texture>(), test::checkers(96, 6)}) {
         const Means truth = take(state, picture, "reference", 1, false, 0);
         const Error error =
-            error_of("adaptive_beams", take(state, picture, "adaptive_beams", 4, false, 0), truth);
+            error_of("adaptive_beams", take(state, picture, "adaptive_beams", 16, false, 0), truth);
         l1.push_back(error.l1);
         bias.push_back(error.bias);
     }
-    // Below glass the method has errors of its own (L1 11 %, and 4 % too dark, with 3 levels as with 5),
-    // to which the picture adds none.
+    // The method gives E at points, and light at the rim of the ball is narrower than 4 x 4 of a pixel tell (11 %
+    // L1, 4 to 7 % too dark, whatever the grid); 16 x 16 leave 4 % and below 1 %, to which the picture adds none.
     EXPECT_LT(l1[1], l1[0] + 0.01);
-    EXPECT_LT(l1[0], 0.12);
-    EXPECT_LT(std::abs(bias[0]), 0.05);
+    EXPECT_LT(l1[0], 0.05);
+    EXPECT_LT(std::abs(bias[0]), 0.01);
     EXPECT_NEAR(bias[1], bias[0], 0.01);
 }
 
