@@ -194,8 +194,9 @@ TEST(Gobo, IrradianceBelowABallIsTheReferences) {
         l1.push_back(error.l1);
         bias.push_back(error.bias);
     }
-    // The method gives E at points, and light at the rim of the ball is narrower than 4 x 4 of a pixel tell (11 %
-    // L1, 4 to 7 % too dark, whatever the grid); 16 x 16 leave 4 % and below 1 %, to which the picture adds none.
+    // The method gives E at points, and light at the rim of the ball is narrower than 4 x 4 of a pixel tell
+    // (11 % L1, 4 to 7 % too dark, whatever the grid); 16 x 16 leave 4 % and below 1 %, to which the picture
+    // adds none.
     EXPECT_LT(l1[1], l1[0] + 0.01);
     EXPECT_LT(l1[0], 0.05);
     EXPECT_LT(std::abs(bias[0]), 0.01);
