@@ -10,19 +10,14 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
-#include <filesystem>
 #include <string>
 #include <vector>
 
 #include "accuracy/flicker_series.h"
-#include "base/stats.h"
-#include "gpu/device.h"
-#include "image/exr.h"
-#include "methods/reference/reference.h"
+#include "accuracy/scatter_pictures.h"
 #include "methods/sliced_beams/sliced_beams.h"
 #include "render/frame_scene_builder.h"
 #include "timeline/timeline.h"
-#include "view/camera_paths.h"
 
 namespace {
 
@@ -30,58 +25,7 @@ using namespace dapple;
 
 constexpr const char* kResolution = "clip.resolution=[96, 54]";
 constexpr std::size_t kWidth = 96, kBands = 12;
-
-/// What pixels receive, W/m^2/sr, and of the reference its squared standard error.
-image::Image scattered(const scene::FrameScene& scene, methods::CausticMethod& method, gpu::Device& device,
-                       FrameStats& stats) {
-    const scene::Clip& clip = scene.state.clip;
-    const rays::RayScene rays(scene);
-    methods::FrameContext context{scene, rays, device, stats, {}, {}};
-    for (int light = 0; light < static_cast<int>(scene.state.lights.size()); ++light)
-        for (const auto event : {light::Event::transmission, light::Event::reflection})
-            context.chains.push_back({light, event});
-    method.begin(context);
-    image::Image picture;
-    picture.width = clip.width;
-    picture.height = clip.height;
-    for (const char* name : {"S.R", "S.G", "S.B"}) picture.add(name);
-    for (int sample = 0; sample < clip.samples; ++sample) {
-        view::LayerCounts counts;
-        view::SegmentLayer segments;
-        view::trace_layer(scene, rays, {.sample = sample}, counts, &segments);
-        std::vector<glm::vec3> radiance(segments.segments(), glm::vec3(0));
-        method.in_scatter(context, segments, radiance);
-        for (std::size_t pixel = 0; pixel < picture.pixels(); ++pixel)
-            for (std::size_t i = segments.first[pixel]; i < segments.first[pixel + 1]; ++i)
-                for (int c = 0; c < 3; ++c)
-                    picture.channels[static_cast<std::size_t>(c)].values[pixel] +=
-                        segments.throughput[i][c] * radiance[i][c] / static_cast<float>(clip.samples);
-    }
-    for (methods::DataLayer& data : method.in_scatter_data())
-        picture.add(data.name).values = std::move(data.values);
-    return picture;
-}
-
-const std::vector<float>& channel(const image::Image& image, const std::string& name) {
-    const image::Channel* found = image.find(name);
-    if (!found) throw Error(ExitCode::input_unreadable, "no channel " + name);
-    return found->values;
-}
-
-/// The reference's frame: its file, made where there is none.
-image::Image reference_of(const scene::FrameScene& scene, const std::string& file, gpu::Device& device) {
-    if (!std::filesystem::exists(file)) {
-        methods::Reference method;
-        FrameStats stats;
-        const image::Image made = scattered(scene, method, device, stats);
-        std::printf("reference, frame %d: standard error %.4f, %.3g rays\n",
-                    static_cast<int>(scene.state.frame), stats.counted("reference volume standard error"),
-                    stats.counted("reference volume rays"));
-        std::fflush(stdout);
-        image::write_exr_verified(file, made);
-    }
-    return image::read_exr(file);
-}
+constexpr int kMostRays = 8;  ///< millions a light
 
 struct Arguments {
     std::string timeline, folder;
@@ -93,8 +37,7 @@ struct Arguments {
 void compare(const Arguments& arguments) {
     const auto by_reference = timeline::Timeline::load(
         arguments.timeline,
-        {kResolution, "clip.samples=1",
-         "caustics={method: reference, standard_error: " + arguments.standard_error + ", most_rays: 8}"});
+        {kResolution, "clip.samples=1", test::by_reference(arguments.standard_error, kMostRays)});
     std::vector<std::string> overrides = {kResolution, "clip.samples=" + arguments.samples,
                                           "caustics={method: sliced_beams}"};
     overrides.insert(overrides.end(), arguments.overrides.begin(), arguments.overrides.end());
@@ -105,19 +48,17 @@ void compare(const Arguments& arguments) {
     std::vector<test::Series> series;
     double l1 = 0, sum = 0;
     for (int frame = arguments.first; frame <= arguments.last; ++frame) {
-        char name[32];
-        std::snprintf(name, sizeof name, "/reference.%04d.exr", frame);
         const image::Image expected =
-            reference_of(reference_scenes.build(by_reference.at(frame)), arguments.folder + name, device);
+            test::kept_reference(reference_scenes.build(by_reference.at(frame)), arguments.folder, device);
         FrameStats stats;
-        const image::Image found = scattered(scenes.build(by_beams.at(frame)), beams, device, stats);
+        const image::Image found = test::scattered(scenes.build(by_beams.at(frame)), beams, device, stats);
         const std::size_t pixels = found.pixels();
         series.resize(3 * pixels);
         for (std::size_t c = 0; c < 3; ++c) {
             const std::string colour(1, "RGB"[c]);
-            const std::vector<float>& s = channel(found, "S." + colour);
-            const std::vector<float>& r = channel(expected, "S." + colour);
-            const std::vector<float>& v = channel(expected, "S.variance." + colour);
+            const std::vector<float>& s = test::channel(found, "S." + colour);
+            const std::vector<float>& r = test::channel(expected, "S." + colour);
+            const std::vector<float>& v = test::channel(expected, "S.variance." + colour);
             for (std::size_t i = 0; i < pixels; ++i) {
                 const double difference = static_cast<double>(s[i]) - static_cast<double>(r[i]);
                 series[3 * i + c].add(difference, static_cast<double>(r[i]), static_cast<double>(v[i]));
