@@ -5,7 +5,7 @@
 
 #include "layout/splat.h"
 #include "light/caustic_map.h"
-#include "methods/photon_splatting/landing.h"
+#include "light/landing.h"
 #include "methods/photon_splatting/splat_builder.h"
 #include "methods/photon_splatting/splat_renderer.h"
 
@@ -66,10 +66,10 @@ void PhotonSplatting::begin(FrameContext& context) {
             events.push_back(context.chains[next].event);
         for (const light::BeamMesh& mesh :
              state_->mapper.trace(context.scene, context.rays, light, events, resolution, context.stats)) {
-            Landings landings;
+            light::Landings landings;
             {
                 const ScopedPass pass(context.stats, "photon tracing");
-                landings = land(mesh, context.rays);
+                landings = light::land(mesh, context.rays);
             }
             context.stats.count("photons landed", static_cast<double>(landings.count));
             const ScopedPass pass(context.stats, "photon footprints");

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "base/parallel.h"
 #include "light/grid_blocks.h"
+#include "light/way_transmittance.h"
 #include "methods/photon_splatting/kernel.h"
 #include "methods/photon_splatting/lattice.h"
 #include "methods/photon_splatting/picture_box.h"
@@ -40,10 +40,10 @@ constexpr float kCornerReach = 2;
 class Builder {
 public:
     Builder(const scene::FrameScene& scene, const media::Media& media, const light::BeamMesh& mesh,
-            const Landings& landings, float largest_point)
+            const light::Landings& landings, float largest_point)
         : mesh_(mesh),
           landings_(landings),
-          media_(media),
+          ways_(scene, media, mesh),
           picture_(scene),
           largest_point_(largest_point),
           columns_(static_cast<std::size_t>(mesh.columns)),
@@ -52,11 +52,6 @@ public:
         const scene::Water& water = *scene.state.water;
         const bool sun = light.type == scene::LightType::sun;
         color_ = glm::vec3(sun ? light.irradiance : light.intensity);
-        extinction_ = glm::vec3(water.extinction());
-        light_position_ = glm::vec3(light.position - scene.origin);
-        sun_ = sun;
-        sun_direction_ = light.direction;
-        bounded_ = media.bounded(mesh.from_below) || media.bounded(mesh.in_water());
         farthest_ = kFarthestNeighbor * std::max(mesh.cell.x, mesh.cell.y);
         // Refraction into the water narrows the disc by 1/n across the plane of incidence and by more, cos(i)
         // / (n cos(t)), in it; the wider one stands for both.
@@ -160,7 +155,7 @@ private:
         splat.position = point;
         splat.normal = normal;
         splat.in_water = mesh_.in_water() ? 1.0f : 0.0f;
-        glm::vec3 power = mesh_.flux[i] * color_ * transmitted(i, point, way);
+        glm::vec3 power = mesh_.flux[i] * color_ * ways_.of(surface_point(i), point, way);
         if (!mesh_.tint.empty()) power *= mesh_.tint[i];
         const float facing = glm::dot(beam, normal);
         for (int b = 0; b < lattice.count; ++b) {
@@ -243,53 +238,26 @@ private:
         return true;
     }
 
-    /// m in the water, from the light or the surface to the landing point.
-    float way_in_water(std::size_t i, float way) const {
-        const float after = mesh_.in_water() ? way : 0.0f;
-        if (!mesh_.from_below) return after;
-        return after + glm::length(surface_point(i) - light_position_);
-    }
-
-    /// Share of the light that the media let through on its ways to the water and from there to the point.
-    glm::vec3 transmitted(std::size_t i, glm::vec3 point, float way) const {
-        if (!bounded_) return glm::exp(-extinction_ * way_in_water(i, way));
-        const glm::dvec3 surface(surface_point(i)), onward = glm::dvec3(point) - surface;
-        glm::dvec3 back = -sun_direction_;
-        double before = std::numeric_limits<double>::infinity();
-        if (!sun_) {
-            back = glm::dvec3(light_position_) - surface;
-            before = glm::length(back);
-            back /= before;
-        }
-        const double after = glm::length(onward);
-        glm::dvec3 depth = media_.optical_depth(surface, back, before, mesh_.from_below);
-        if (after > 0) depth += media_.optical_depth(surface, onward / after, after, mesh_.in_water());
-        return glm::vec3(glm::exp(-depth));
-    }
-
     static bool finite(const layout::Splat& splat) {
         const glm::vec3 sum = splat.axis_a + splat.axis_b + splat.irradiance;
         return std::isfinite(sum.x + sum.y + sum.z) && std::isfinite(splat.tolerance);
     }
 
     const light::BeamMesh& mesh_;
-    const Landings& landings_;
-    const media::Media& media_;
+    const light::Landings& landings_;
+    light::WayTransmittance ways_;
     PictureMap picture_;
     float largest_point_;
     std::size_t columns_, rows_;
-    glm::vec3 color_, extinction_, light_position_;
-    glm::dvec3 sun_direction_{0, -1, 0};
-    bool sun_ = false;
-    bool bounded_ = false;  // some medium but the water may lie on the light's ways
-    float farthest_ = 0;    // m
-    float disc_ = 0;        // radius a m of way, across the beam
+    glm::vec3 color_;
+    float farthest_ = 0;  // m
+    float disc_ = 0;      // radius a m of way, across the beam
 };
 
 }  // namespace
 
 Splats build_splats(const scene::FrameScene& scene, const media::Media& media, const light::BeamMesh& mesh,
-                    const Landings& landings, float largest_point) {
+                    const light::Landings& landings, float largest_point) {
     const Builder builder(scene, media, mesh, landings, largest_point);
     const light::GridBlocks blocks(mesh.rows, mesh.columns);
     Splats splats;

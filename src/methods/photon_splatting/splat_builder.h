@@ -5,8 +5,8 @@
 
 #include "layout/splat.h"
 #include "light/beam_mesh.h"
+#include "light/landing.h"
 #include "media/media.h"
-#include "methods/photon_splatting/landing.h"
 #include "scene/frame_scene.h"
 
 namespace dapple::methods {
@@ -24,6 +24,6 @@ struct Splats {
 /// neighbours hit does not matter. Their power is what the media on both sides of the water let through along
 /// the photon's own way. `largest_point`: pixels.
 Splats build_splats(const scene::FrameScene& scene, const media::Media& media, const light::BeamMesh& mesh,
-                    const Landings& landings, float largest_point);
+                    const light::Landings& landings, float largest_point);
 
 }  // namespace dapple::methods

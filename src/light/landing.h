@@ -6,7 +6,7 @@
 #include "light/beam_mesh.h"
 #include "rays/ray_scene.h"
 
-namespace dapple::methods {
+namespace dapple::light {
 
 /// Where the rays of a beam mesh first meet an object, a vertex each.
 struct Landings {
@@ -18,6 +18,6 @@ struct Landings {
 /// Traces the rays that carry light, from the surface on. They start on the water, which is not among the
 /// objects, so they need no offset: an object that pierces the surface is met from its first point under
 /// (over) the water.
-Landings land(const light::BeamMesh& mesh, const rays::RayScene& rays);
+Landings land(const BeamMesh& mesh, const rays::RayScene& rays);
 
-}  // namespace dapple::methods
+}  // namespace dapple::light

@@ -1,4 +1,4 @@
-#include "methods/photon_splatting/landing.h"
+#include "light/landing.h"
 
 #include <limits>
 #include <numeric>
@@ -6,13 +6,13 @@
 #include "base/parallel.h"
 #include "light/grid_blocks.h"
 
-namespace dapple::methods {
+namespace dapple::light {
 
-Landings land(const light::BeamMesh& mesh, const rays::RayScene& rays) {
+Landings land(const BeamMesh& mesh, const rays::RayScene& rays) {
     Landings landings;
     landings.depth.assign(mesh.vertices(), std::numeric_limits<float>::infinity());
     landings.normal.assign(mesh.vertices(), glm::vec3(0, 1, 0));
-    const light::GridBlocks blocks(mesh.rows, mesh.columns);
+    const GridBlocks blocks(mesh.rows, mesh.columns);
     std::vector<std::size_t> landed(blocks.bands(), 0);
     parallel_for(blocks.bands(), 1, [&](std::size_t begin, std::size_t end) {
         std::vector<rays::Ray> beams;
@@ -47,4 +47,4 @@ Landings land(const light::BeamMesh& mesh, const rays::RayScene& rays) {
     return landings;
 }
 
-}  // namespace dapple::methods
+}  // namespace dapple::light

@@ -1,0 +1,28 @@
+#pragma once
+#include <glm/glm.hpp>
+
+#include "light/beam_mesh.h"
+#include "media/media.h"
+#include "scene/frame_scene.h"
+
+namespace dapple::light {
+
+/// What the media on both sides of the water leave of the light of a beam mesh, along each ray's own way. The
+/// scene and the media must outlive it.
+class WayTransmittance {
+public:
+    WayTransmittance(const scene::FrameScene& scene, const media::Media& media, const BeamMesh& mesh);
+
+    /// Share of the light, a channel, that reaches the water at `surface` and from there, `way` m on, a
+    /// `point`; both m, relative to FrameScene::origin.
+    glm::vec3 of(glm::vec3 surface, glm::vec3 point, float way) const;
+
+private:
+    const media::Media& media_;
+    glm::vec3 extinction_, light_position_;
+    glm::dvec3 sun_direction_;
+    bool sun_, from_below_, in_water_;
+    bool bounded_;  // some medium but the water may lie on the ways
+};
+
+}  // namespace dapple::light
