@@ -32,6 +32,7 @@ struct BeamMesh {
     std::string name;  ///< for plans and stats: "sun > water:T"
     int light = 0;     ///< index into FrameState::lights
     Event event = Event::transmission;
+    int cascade = 0;          ///< of the caustic map's, the innermost is 0
     bool from_below = false;  ///< the light is under water: T lands in the air, R in the water
     /// Whether the rays travel through the water after the event.
     bool in_water() const { return from_below == (event == Event::reflection); }
@@ -46,6 +47,10 @@ struct BeamMesh {
     /// Flux of the vertex's cell of the caustic map, after Fresnel, of a light of unit irradiance (sun: m^2)
     /// or unit intensity (point, spot: sr); times the light's colour it is W.
     std::vector<float> flux;
+    /// Share of the light at the vertex that this mesh carries, in [0, 1], the others of its cascades the
+    /// rest: over cascades the tents of `weight` on their lattices sum to one. `flux` has it already; what
+    /// needs the density of rays alone does not look at it. Empty: 1 everywhere.
+    std::vector<float> weight;
     /// Mean of a spot's picture over the vertex's cell, a channel, which times `flux` is what the vertex
     /// carries; empty without a picture.
     std::vector<glm::vec3> tint;

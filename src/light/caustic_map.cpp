@@ -221,11 +221,11 @@ CausticMapper::CausticMapper(gpu::Device& device) : state_(std::make_unique<Stat
 CausticMapper::~CausticMapper() = default;
 
 std::vector<BeamMesh> CausticMapper::trace(const scene::FrameScene& scene, const rays::RayScene& rays,
-                                           int light_index, const std::vector<Event>& events, int resolution,
-                                           FrameStats& stats) {
+                                           int light_index, const std::vector<Event>& events,
+                                           const scene::CausticMapParameters& parameters, FrameStats& stats) {
     gpu::Device& device = state_->device;
     const scene::Light& light = scene.state.lights[static_cast<std::size_t>(light_index)];
-    const MapPlan plan = plan_map(scene, light_index, resolution);
+    const MapPlan plan = plan_map(scene, light_index, parameters.map_resolution);
     std::vector<BeamMesh> meshes;
     meshes.reserve(events.size());
     for (const Event event : events) meshes.push_back(empty_mesh(scene, plan, light_index, event));

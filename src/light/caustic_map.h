@@ -20,10 +20,11 @@ public:
     explicit CausticMapper(gpu::Device& device);
     ~CausticMapper();
 
-    /// Beam meshes of one light for the events asked for. `resolution`: texels along the longer side of the
-    /// water's extent. Rays that an object shadows on their way from the light to the water have flux 0.
+    /// Beam meshes of one light: of each cascade, the innermost first, one for each of the events asked for.
+    /// Rays that an object shadows on their way from the light to the water have flux 0.
     std::vector<BeamMesh> trace(const scene::FrameScene& scene, const rays::RayScene& rays, int light,
-                                const std::vector<Event>& events, int resolution, FrameStats& stats);
+                                const std::vector<Event>& events,
+                                const scene::CausticMapParameters& parameters, FrameStats& stats);
 
 private:
     struct State;

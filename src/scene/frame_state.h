@@ -127,8 +127,28 @@ struct Sky {
     glm::dvec3 radiance{0, 0, 0};
 };
 
-struct PhotonSplattingParameters {
-    int map_resolution = 1024;  ///< photons along the longer side of the water's extent
+/// What the boxes of cascades lie about.
+enum class CascadeCenter { camera, target, extent };
+
+/// One cascade's own map.
+struct CascadeMap {
+    int resolution = 1024;  ///< photons along each side of the cascade's box
+};
+
+/// Of the methods that start from a caustic map (light/caustic_map.h), all of them. Cascades are square boxes
+/// on the rest plane, each `cascade_scale` times as wide as the one inside it, whose photons lie that much
+/// wider (Kougianos and Moustakas 2021, section 3.1).
+struct CausticMapParameters {
+    /// Photons along each side of a cascade's box; of a single map over all the water: along its longer side.
+    int map_resolution = 1024;
+    double map_precision = 0;  ///< m that photons of the innermost map lie apart; 0: by map_resolution
+    int cascades = 1;          ///< N
+    double cascade_scale = 2;  ///< s
+    double inner_size = 0;     ///< m, side of the innermost box; 0: the outermost is as wide as the water
+    CascadeCenter cascade_center = CascadeCenter::camera;
+    std::vector<CascadeMap> cascade_maps;  ///< the innermost first; empty: all by map_resolution
+    /// The paper's choices: hard borders, boxes in the light's frame that follow the camera without steps.
+    bool paper_faithful = false;
 };
 
 struct SlicedBeamsParameters {
@@ -167,7 +187,7 @@ struct Caustics {
     SlicedBeamsParameters sliced_beams;
     AdaptiveBeamsParameters adaptive_beams;
     ReferenceParameters reference;
-    PhotonSplattingParameters photon_splatting;
+    CausticMapParameters map;
 };
 
 /// ASC CDL, applied in the role color_timing.

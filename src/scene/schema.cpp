@@ -17,6 +17,9 @@ constexpr double kMostPixels = 16384;  // along a side: what Vulkan devices and 
 constexpr std::array<std::string_view, 4> kCausticMethods{"sliced_beams", "photon_splatting", "reference",
                                                           "adaptive_beams"};
 
+const std::initializer_list<std::string_view> kMapMethods{
+    "photon_splatting"};  // those that start from a caustic map
+
 /// A vector of length 0 stays: checks find it where the timeline is read.
 glm::dvec3 direction_of(const glm::dvec3& v) {
     const double length = glm::length(v);
@@ -228,8 +231,23 @@ Row caustic_method() {
     return {field};
 }
 
+const Structure& cascade_map_schema() {
+    static const Structure table{
+        "cascade map",
+        {
+            integral<&CascadeMap::resolution>("resolution", FieldKind::integer,
+                                              "photons along each side of the cascade's box")
+                .within(1, kMost)
+                .required(),
+        },
+        "",
+        {},
+        nullptr};
+    return table;
+}
+
 const Structure& caustics_schema() {
-    constexpr auto splatting = &Caustics::photon_splatting;
+    constexpr auto map = &Caustics::map;
     static const Structure table{
         "caustics",
         {
@@ -237,10 +255,49 @@ const Structure& caustics_schema() {
             choice<&Caustics::volume_resolution>(
                 "volume_resolution", {"full", "half"},
                 "pixels for which light scattered by media is computed; half: every second, each way"),
-            integral<splatting, &PhotonSplattingParameters::map_resolution>(
-                "map_resolution", FieldKind::integer, "photons along the longer side of the water's extent")
+            integral<map, &CausticMapParameters::map_resolution>(
+                "map_resolution", FieldKind::integer,
+                "photons along each side of a cascade's box; of one map over all the water: along its longer "
+                "side")
                 .within(1, kMost)
-                .only_for({"photon_splatting"}),
+                .only_for(kMapMethods),
+            number<map, &CausticMapParameters::map_precision>(
+                "map_precision", Dimension::length,
+                "that photons of the innermost map lie apart, instead of map_resolution; 0: not given")
+                .at_least(0)
+                .constant()
+                .only_for(kMapMethods),
+            integral<map, &CausticMapParameters::cascades>("cascades", FieldKind::integer,
+                                                           "maps inside each other, coarser outwards")
+                .within(1, 8)
+                .only_for(kMapMethods),
+            number<map, &CausticMapParameters::cascade_scale>(
+                "cascade_scale", Dimension::number,
+                "by which each box is wider, and its photons lie wider, than those inside it")
+                .within(1.1, 16)
+                .constant()
+                .only_for(kMapMethods),
+            number<map, &CausticMapParameters::inner_size>(
+                "inner_size", Dimension::length,
+                "side of the innermost box; 0: the outermost box is as wide as the water")
+                .at_least(0)
+                .constant()
+                .only_for(kMapMethods),
+            choice<map, &CausticMapParameters::cascade_center>("cascade_center",
+                                                               {"camera", "target", "extent"},
+                                                               "what the boxes lie about: where the camera "
+                                                               "stands, what it looks at, or the water's "
+                                                               "middle")
+                .only_for(kMapMethods),
+            list<map, &CausticMapParameters::cascade_maps>("cascade_maps", cascade_map_schema(),
+                                                           "a map for each cascade, the innermost first, "
+                                                           "instead of map_resolution")
+                .only_for(kMapMethods),
+            integral<map, &CausticMapParameters::paper_faithful>(
+                "paper_faithful", FieldKind::boolean,
+                "as Kougianos and Moustakas 2021: hard borders, boxes in the light's frame that follow the "
+                "camera")
+                .only_for(kMapMethods),
             integral<&Caustics::sliced_beams, &SlicedBeamsParameters::sun_samples>(
                 "sun_samples", FieldKind::integer,
                 "equal parts of a sun's disc, each traced by its middle and widened by its size")

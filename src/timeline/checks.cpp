@@ -159,6 +159,22 @@ private:
         const char* low_pass = "caustics.paper_low_pass";
         if (program_.given.count(low_pass) > 0 && !caustics.adaptive_beams.paper_faithful)
             fault(low_pass, "blurs the light of the paper's beams only; add paper_faithful: true");
+        check_cascades(caustics.map);
+    }
+
+    void check_cascades(const scene::CausticMapParameters& map) {
+        const std::string maps = "caustics.cascade_maps", precision = "caustics.map_precision";
+        const std::size_t given = map.cascade_maps.size(), cascades = static_cast<std::size_t>(map.cascades);
+        const auto counted = [](std::size_t count, const char* name) {
+            return std::to_string(count) + " " + name + (count == 1 ? "" : "s");
+        };
+        if (given > 0 && given != cascades)
+            fault(maps, "lists " + counted(given, "map") + " for " + counted(cascades, "cascade") +
+                            "; give one for each, the innermost first");
+        for (const char* other : {"caustics.map_resolution", "caustics.cascade_maps"}) {
+            if (map.map_precision > 0 && program_.given.count(other) > 0)
+                fault(precision, "says what " + std::string(other) + " says too; give one of them");
+        }
     }
 
     /// One fault a key: the first frame that shows it.

@@ -31,7 +31,7 @@ scene::FrameState pool(bool waves) {
     state.camera.target = state.camera.position - glm::dvec3(0, 1, 0);
     state.camera.up = {0, 0, -1};
     state.camera.view_height = 1.1;
-    state.caustics.photon_splatting.map_resolution = 512;
+    state.caustics.map.map_resolution = 512;
     state.caustics.adaptive_beams.levels = 3;
     state.caustics.reference = {0.03, 3};
     state.objects.push_back(test::floor_plane({0, -1, 0}));

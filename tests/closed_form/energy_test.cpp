@@ -25,7 +25,7 @@ scene::FrameState sea_over_floor(double zenith_degrees) {
     state.water->surface.waves = test::gentle_waves();
     state.water->absorption = glm::dvec3(0);
     state.caustics.method = "photon_splatting";
-    state.caustics.photon_splatting.map_resolution = 1024;
+    state.caustics.map.map_resolution = 1024;
     state.lights = {test::sun_from_zenith(zenith_degrees)};
     return state;
 }

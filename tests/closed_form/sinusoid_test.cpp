@@ -67,7 +67,7 @@ double relative_l1_error(double depth, int resolution) {
     state.water->mesh_cells = 1500;  // 2 mm: the mesh's own error is far below the photons'
     state.water->surface.waves.waves = {{kLength, 0, kAmplitude, 0}};
     state.caustics.method = "photon_splatting";
-    state.caustics.photon_splatting.map_resolution = resolution;
+    state.caustics.map.map_resolution = resolution;
     state.lights = {test::sun_from_zenith(0)};
     state.lights[0].irradiance = glm::dvec3(1);
     render::FrameRenderer renderer(test::validated_device());

@@ -105,7 +105,7 @@ TEST(Plan, GivesKeysToTheMethodsThatKnowThem) {
         const bool beams = state.caustics.method == "sliced_beams";
         EXPECT_EQ(state.caustics.sliced_beams.sun_samples, beams ? 3 : 1);
         if (state.caustics.method == "photon_splatting") {
-            EXPECT_EQ(state.caustics.photon_splatting.map_resolution, 64);
+            EXPECT_EQ(state.caustics.map.map_resolution, 64);
         }
     }
     const auto reference = timeline::Timeline::load(kSmall, plan.reference_overrides).at(1);

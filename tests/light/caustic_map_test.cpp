@@ -24,7 +24,9 @@ std::vector<BeamMesh> trace(const scene::FrameScene& scene, int resolution,
     light::CausticMapper mapper(test::validated_device());
     const rays::RayScene rays(scene);
     FrameStats stats;
-    return mapper.trace(scene, rays, 0, events, resolution, stats);
+    scene::CausticMapParameters map;
+    map.map_resolution = resolution;
+    return mapper.trace(scene, rays, 0, events, map, stats);
 }
 
 /// Reflectance by angles, written apart from the program's vector forms.

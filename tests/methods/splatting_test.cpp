@@ -87,7 +87,7 @@ scene::FrameScene flat_pool(double zenith, int resolution) {
     scene::FrameScene scene = test::water_scene({6, 6});
     scene.state.lights = {test::sun(zenith, 33)};
     scene.state.objects = {level(-1.5)};
-    scene.state.caustics.photon_splatting.map_resolution = resolution;
+    scene.state.caustics.map.map_resolution = resolution;
     scene.origin = {1, -2, 3};
     test::add_water(scene, {}, 8, 8);
     return scene;
@@ -186,7 +186,7 @@ TEST(PhotonSplatting, LevelReceiversCatchAllFluxOfASea) {
         scene.state.lights = {test::sun(down ? 25 : 65, 0)};  // travels along -x
         scene.state.lights[0].irradiance = {1, 1, 1};
         scene.state.water->absorption = {0, 0, 0};
-        scene.state.caustics.photon_splatting.map_resolution = 512;
+        scene.state.caustics.map.map_resolution = 512;
         // Gentler waves for the reflection: its directions turn by twice the slope, and must all meet the
         // ceiling, which must not shadow the water.
         test::add_water(scene, test::gentle_sea(down ? 0.0032 : 0.001), 200, 200);
@@ -207,7 +207,8 @@ TEST(PhotonSplatting, LevelReceiversCatchAllFluxOfASea) {
         FrameStats stats;
         light::CausticMapper mapper(test::validated_device());
         const rays::RayScene rays(scene);
-        const light::BeamMesh mesh = mapper.trace(scene, rays, 0, {event}, 512, stats)[0];
+        const light::BeamMesh mesh =
+            mapper.trace(scene, rays, 0, {event}, scene.state.caustics.map, stats)[0];
         const double flux = std::accumulate(mesh.flux.begin(), mesh.flux.end(), 0.0);
         EXPECT_GT(flux, down ? 10 : 0.5);
         // The samples of single splats ripple with their place; over 2e5 splats that averages out, less well
@@ -256,7 +257,7 @@ TEST(PhotonSplatting, APointLightLightsTheFloorByItsClosedForm) {
     scene.state.lights = {lamp};
     scene.state.water->absorption = {0, 0, 0};
     scene.state.objects = {level(-1.5)};
-    scene.state.caustics.photon_splatting.map_resolution = 600;
+    scene.state.caustics.map.map_resolution = 600;
     test::add_water(scene, {}, 8, 8);
     look_down(scene, 96, 2);
     const view::ReceiverLayer layer = receivers_on_level(scene, -1.5);

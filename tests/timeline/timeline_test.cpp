@@ -87,7 +87,7 @@ TEST(Timeline, ReadsEveryPartInSi) {
     EXPECT_EQ(state.objects[1].shape, scene::Shape::mesh);
     EXPECT_EQ(state.objects[1].transform.scale, glm::dvec3(2));
     EXPECT_TRUE(state.objects[1].material.mirror);
-    EXPECT_EQ(state.caustics.photon_splatting.map_resolution, 256);
+    EXPECT_EQ(state.caustics.map.map_resolution, 256);
     EXPECT_EQ(state.output.view, "Film");
     EXPECT_EQ(state.output.cdl.slope, glm::dvec3(1.1, 1, 0.9));
 }
@@ -224,10 +224,31 @@ TEST(Timeline, EachCausticMethodHasItsKeys) {
     EXPECT_EQ(reference.reference.standard_error, 0.02);
     EXPECT_EQ(reference.reference.most_rays, 50);
     EXPECT_EQ(caustics("method: photon_splatting").method, "photon_splatting");
+    const scene::CausticMapParameters map =
+        caustics(
+            "method: photon_splatting, cascades: 2, cascade_scale: 2.5, inner_size: 30 m, "
+            "cascade_center: target, cascade_maps: [{resolution: 512}, {resolution: 256}], "
+            "paper_faithful: true")
+            .map;
+    EXPECT_EQ(map.cascades, 2);
+    EXPECT_EQ(map.cascade_scale, 2.5);
+    EXPECT_EQ(map.inner_size, 30);
+    EXPECT_EQ(map.cascade_center, scene::CascadeCenter::target);
+    ASSERT_EQ(map.cascade_maps.size(), 2U);
+    EXPECT_EQ(map.cascade_maps[1].resolution, 256);
+    EXPECT_TRUE(map.paper_faithful);
+    EXPECT_EQ(caustics("method: photon_splatting, map_precision: 2 cm").map.map_precision, 0.02);
     EXPECT_EQ(caustics("").method, scene::Caustics().method);
     for (const char* wrong :
          {"method: magic", "method: sliced_beams, sun_samples: 0", "method: sliced_beams, sun_samples: 1.5",
           "method: sliced_beams, map_resolution: 8", "method: photon_splatting, sun_samples: 1",
+          "method: photon_splatting, cascades: 0", "method: photon_splatting, cascades: 9",
+          "method: photon_splatting, cascade_scale: 1", "method: photon_splatting, inner_size: -1 m",
+          "method: photon_splatting, cascade_center: sun", "method: sliced_beams, cascades: 2",
+          "method: photon_splatting, cascades: 3, cascade_maps: [{resolution: 512}, {resolution: 256}]",
+          "method: photon_splatting, cascade_maps: [{}]", "method: photon_splatting, cascade_maps: [512]",
+          "method: photon_splatting, map_precision: 1 cm, map_resolution: 512",
+          "method: photon_splatting, map_precision: 1 cm, cascade_maps: [{resolution: 512}]",
           "method: reference, standard_error: 0", "method: reference, most_rays: 0",
           "method: reference, standard_error: {keys: [{frame: 1, value: 0.1}]}"}) {
         EXPECT_THROW(caustics(wrong), TimelineError) << wrong;
@@ -414,6 +435,12 @@ TEST(Fingerprint, SeesEveryChange) {
                                "objects.rock.rotation=[0, 1, 0]",
                                "sky.radiance=0.2",
                                "caustics.map_resolution=257",
+                               "caustics.cascades=2",
+                               "caustics.cascade_scale=3",
+                               "caustics.inner_size=1 m",
+                               "caustics.cascade_center=extent",
+                               "caustics.cascade_maps=[{resolution: 256}]",
+                               "caustics.paper_faithful=true",
                                "caustics={method: sliced_beams}",
                                "caustics={method: sliced_beams, sun_samples: 2}",
                                "caustics={method: reference}",

@@ -34,7 +34,7 @@ Support PhotonSplatting::supports_surface(const scene::FrameState& state) const 
 std::size_t PhotonSplatting::bytes(const scene::FrameState& state, std::size_t pixels) const {
     if (!state.water) return 0;
     const glm::dvec2 size = state.water->extent.size;
-    const double side = state.caustics.photon_splatting.map_resolution;
+    const double side = state.caustics.map.map_resolution;
     // Photons without the border, which is thin but for low suns: at most four times as many in all.
     const double photons = side * side * std::min(size.x, size.y) / std::max(size.x, size.y);
     constexpr double kMap = 16 + 4 + 36;  // surface, depth, rays
@@ -57,7 +57,7 @@ void PhotonSplatting::begin(FrameContext& context) {
     SplatRenderer& renderer = state_->renderer;
     renderer.clear();
     const media::Media media(context.scene);
-    const int resolution = context.scene.state.caustics.photon_splatting.map_resolution;
+    const scene::CausticMapParameters& map = context.scene.state.caustics.map;
     for (std::size_t next = 0; next < context.chains.size();) {
         // Chains of one light share its map.
         const int light = context.chains[next].light;
@@ -65,7 +65,7 @@ void PhotonSplatting::begin(FrameContext& context) {
         for (; next < context.chains.size() && context.chains[next].light == light; ++next)
             events.push_back(context.chains[next].event);
         for (const light::BeamMesh& mesh :
-             state_->mapper.trace(context.scene, context.rays, light, events, resolution, context.stats)) {
+             state_->mapper.trace(context.scene, context.rays, light, events, map, context.stats)) {
             light::Landings landings;
             {
                 const ScopedPass pass(context.stats, "photon tracing");
