@@ -16,8 +16,8 @@ constexpr int kNearestReach = 4;     ///< coarse pixels
 /// Where a fine pixel's value lies in the coarse picture: whole numbers are those of coarse pixels.
 glm::dvec2 coarse_place(const view::ReceiverLayer& fine, std::size_t pixel, const CoarseGrid& grid) {
     const auto width = static_cast<std::size_t>(fine.width);
-    const glm::dvec2 corner(static_cast<double>(pixel % width), static_cast<double>(pixel / width));
-    return (corner + grid.place + grid.margin) / static_cast<double>(grid.scale) - grid.place;
+    const glm::uvec2 corner(pixel % width, pixel / width);
+    return (glm::dvec2(corner) + grid.place + grid.margin) / static_cast<double>(grid.scale) - grid.place;
 }
 
 /// Runs `visit(coarse pixel, x, y)` over the part of a square of the coarse picture that lies in it.

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "scene/denoise.h"
 #include "scene/medium.h"
 #include "scene/transform.h"
 #include "scene/water_surface.h"
@@ -184,6 +185,8 @@ enum class VolumeResolution { full, half };
 struct Caustics {
     std::string method = "sliced_beams";
     VolumeResolution volume_resolution = VolumeResolution::full;
+    BufferScale buffer_scale = BufferScale::full;
+    Denoise denoise;
     SlicedBeamsParameters sliced_beams;
     AdaptiveBeamsParameters adaptive_beams;
     ReferenceParameters reference;

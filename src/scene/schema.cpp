@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "scene/denoise_schema.h"
 #include "scene/medium_schema.h"
 #include "scene/schema_builder.h"
 #include "scene/water_schema.h"
@@ -255,6 +256,12 @@ const Structure& caustics_schema() {
             choice<&Caustics::volume_resolution>(
                 "volume_resolution", {"full", "half"},
                 "pixels for which light scattered by media is computed; half: every second, each way"),
+            choice<&Caustics::buffer_scale>(
+                "buffer_scale", {"full", "half", "quarter"},
+                "pixels for which caustics on surfaces are computed; half: every second, each way; "
+                "interpolated between, not over edges"),
+            structure<&Caustics::denoise>("denoise", denoise_schema(),
+                                          "a filter over caustics on surfaces, not over their textures"),
             integral<map, &CausticMapParameters::map_resolution>(
                 "map_resolution", FieldKind::integer,
                 "photons along each side of a cascade's box; of one map over all the water: along its longer "

@@ -114,6 +114,11 @@ TEST(Schema, ChoicesFollowTheirEnumerations) {
     EXPECT_EQ(index(water, "jerlov", "I"), static_cast<int>(JerlovType::I));
     EXPECT_EQ(index(water, "jerlov", "9C"), static_cast<int>(JerlovType::C9));
     EXPECT_EQ(index(caustics, "volume_resolution", "half"), static_cast<int>(VolumeResolution::half));
+    EXPECT_EQ(index(caustics, "buffer_scale", "half"), static_cast<int>(BufferScale::half));
+    EXPECT_EQ(index(caustics, "buffer_scale", "quarter"), static_cast<int>(BufferScale::quarter));
+    const Structure& denoise = *caustics.find("denoise", {})->structure;
+    EXPECT_EQ(index(denoise, "filter", "fixed"), static_cast<int>(DenoiseFilter::fixed));
+    EXPECT_EQ(index(denoise, "filter", "adaptive"), static_cast<int>(DenoiseFilter::adaptive));
     EXPECT_EQ(index(surface, "type", "spectrum"), static_cast<int>(WaterSurfaceType::spectrum));
     EXPECT_EQ(index(surface, "type", "mesh_sequence"), static_cast<int>(WaterSurfaceType::mesh_sequence));
 }

@@ -310,6 +310,30 @@ TEST(Timeline, ReadsMedia) {
     EXPECT_EQ(state.caustics.sliced_beams.volume_sun_samples, 7);
 }
 
+TEST(Timeline, ReadsFiltersOfIrradiance) {
+    const scene::Caustics plain = parse("caustics: {method: photon_splatting}").at(1).caustics;
+    EXPECT_EQ(plain.denoise.filter, scene::DenoiseFilter::none);
+    EXPECT_EQ(plain.buffer_scale, scene::BufferScale::full);
+    const scene::Caustics fixed =
+        parse("caustics: {buffer_scale: quarter, denoise: {filter: fixed, radius: 3, passes: 10}}")
+            .at(1)
+            .caustics;
+    EXPECT_EQ(fixed.buffer_scale, scene::BufferScale::quarter);
+    EXPECT_EQ(fixed.denoise.filter, scene::DenoiseFilter::fixed);
+    EXPECT_EQ(fixed.denoise.radius, 3);
+    EXPECT_EQ(fixed.denoise.passes, 10);
+    EXPECT_FALSE(fixed.denoise.paper_faithful);
+    const scene::Denoise adaptive =
+        parse("caustics: {denoise: {filter: adaptive}}",
+              {"caustics.denoise.threshold=14.4 %", "caustics.denoise.paper_faithful=true"})
+            .at(1)
+            .caustics.denoise;
+    EXPECT_EQ(adaptive.filter, scene::DenoiseFilter::adaptive);
+    EXPECT_EQ(adaptive.passes, 1);
+    EXPECT_NEAR(adaptive.threshold, 0.144, 1e-15);
+    EXPECT_TRUE(adaptive.paper_faithful);
+}
+
 /// Narrower peaks than all methods resolve are refused.
 TEST(Timeline, MeanCosinesAreBounded) {
     const auto water = [](const std::string& value) {
@@ -446,6 +470,14 @@ TEST(Fingerprint, SeesEveryChange) {
                                "caustics={method: reference}",
                                "caustics={method: reference, standard_error: 0.5 %}",
                                "caustics={method: reference, most_rays: 10}",
+                               "caustics={buffer_scale: half}",
+                               "caustics={buffer_scale: quarter}",
+                               "caustics={denoise: {filter: fixed}}",
+                               "caustics={denoise: {filter: fixed, radius: 6}}",
+                               "caustics={denoise: {filter: fixed, passes: 10}}",
+                               "caustics={denoise: {filter: adaptive}}",
+                               "caustics={denoise: {filter: adaptive, threshold: 0.144}}",
+                               "caustics={denoise: {filter: adaptive, paper_faithful: true}}",
                                "output.ocio_config=other.ocio",
                                "output.view=Raw",
                                "output.look=warm",
