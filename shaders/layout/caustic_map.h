@@ -9,15 +9,18 @@ LAYOUT_BEGIN
 struct CausticMapPush {
     vec2 shear;            // m a m of height
     float inverse_height;  // 1/m: one over the light's height above the rest plane; 0 for a sun
-    vec2 clip_scale;       // 1/m: clip from map coordinates
+    vec4 clip_scale;       // 1/m: clip from map coordinates, columns of a 2 x 2 matrix
     vec2 clip_offset;      // clip space
     vec2 depth;            // clip z = depth.x + depth.y * height (1/m); grows along the light
 };
 
 struct BeamRaysPush {
-    vec2 corner;  // m, map coordinates of the corner of texel (0, 0)
-    vec2 texel;   // m, size of a texel
-    vec2 shear;   // as in CausticMapPush
+    vec2 anchor;       // m, map coordinates that texels are counted from
+    vec2 column_step;  // m, from a texel to the next along columns
+    vec2 row_step;     // m, and along rows
+    int first_column;  // of the map, from the anchor
+    int first_row;
+    vec2 shear;  // as in CausticMapPush
     float inverse_height;
     float rest_height;  // m, height of the rest plane relative to the frame's origin
     vec3 light;         // sun: unit direction of travel; else position, m, relative to the frame's origin
@@ -26,8 +29,9 @@ struct BeamRaysPush {
     float cos_outer;    // cosine where a spot's light has fallen to nothing; -2: no spot
     vec3 axis;          // unit, axis of the beam mesh
     float cos_inner;    // cosine where it is full
-    uint columns;       // texels of the map a row
-    uint first_row;     // of this batch
+    uint left;          // column of the map that this batch begins at
+    uint top;           // and row
+    uint columns;       // of this batch
     uint rows;          // of this batch
     uint sun;           // 1: parallel light
     uint reflection;    // 0: transmission

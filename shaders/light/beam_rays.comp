@@ -17,20 +17,21 @@ const float kNoRay = -1.0;              // flux of a texel without water or with
 
 void main() {
     if (gl_GlobalInvocationID.x >= push.columns || gl_GlobalInvocationID.y >= push.rows) return;
-    uvec2 at = uvec2(gl_GlobalInvocationID.x, gl_GlobalInvocationID.y + push.first_row);
+    uvec2 at = gl_GlobalInvocationID.xy + uvec2(push.left, push.top);
     vec4 texel = texelFetch(map, ivec2(at), 0);
     bool water = dot(texel.yzw, texel.yzw) > 0.0;
     // Without water the rest plane goes on, so that every ray is finite.
     float height = water ? texel.x : 0.0;
     vec3 normal = water ? normalize(texel.yzw) : vec3(0.0, 1.0, 0.0);
 
-    vec2 center = push.corner + (vec2(at) + 0.5) * push.texel;
+    vec2 place = vec2(ivec2(at) + ivec2(push.first_column, push.first_row)) + 0.5;
+    vec2 center = push.anchor + push.column_step * place.x + push.row_step * place.y;
     vec2 foot = center * (1.0 - push.inverse_height * height) + push.shear * height;
     vec3 point = vec3(foot.x, height + push.rest_height, foot.y);
 
     // Light through the texel of the rest plane: area across the beam (sun), or solid angle of the texel.
     vec3 incident = push.light;
-    float power = push.texel.x * push.texel.y;
+    float power = abs(push.column_step.x * push.row_step.y - push.column_step.y * push.row_step.x);
     if (push.sun != 0u) {
         power *= abs(incident.y);
     } else {

@@ -13,6 +13,7 @@ void main() {
     vec3 p = positions[gl_VertexIndex];
     float w = 1.0 - push.inverse_height * p.y;
     vec2 map = p.xz - push.shear * p.y;
-    gl_Position = vec4(map * push.clip_scale + w * push.clip_offset, push.depth.x + push.depth.y * p.y, w);
+    vec2 clip = push.clip_scale.xy * map.x + push.clip_scale.zw * map.y;
+    gl_Position = vec4(clip + w * push.clip_offset, push.depth.x + push.depth.y * p.y, w);
     surface = vec4(p.y, normals[gl_VertexIndex]);
 }

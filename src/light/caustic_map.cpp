@@ -2,13 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <optional>
 
 #include "base/parallel.h"
 #include "gpu/pass_list.h"
 #include "layout/caustic_map.h"
+#include "light/cascade_plan.h"
 #include "light/light_shadows.h"
 #include "light/map_plan.h"
+#include "light/ring.h"
 #include "light/spot_picture.h"
 #include "light/surface_flux.h"
 #include "spirv/light_beam_rays_comp.h"
@@ -21,8 +23,8 @@ namespace {
 using layout::BeamRay;
 using layout::BeamRaysPush;
 using layout::CausticMapPush;
-static_assert(sizeof(CausticMapPush) == 36);
-static_assert(sizeof(BeamRaysPush) == 100);
+static_assert(sizeof(CausticMapPush) == 44);
+static_assert(sizeof(BeamRaysPush) == 120);
 static_assert(sizeof(BeamRay) == 36);
 
 constexpr std::uint32_t kGroupColumns = 16, kGroupRows = 4;  // of light/beam_rays.comp
@@ -40,12 +42,13 @@ glm::dvec2 horizontal(glm::dvec3 v) {
 }
 
 CausticMapPush map_push(const MapPlan& plan, glm::dvec3 origin) {
-    const glm::dvec2 size = glm::dvec2(plan.columns, plan.rows) * plan.texel;
+    const glm::dvec2 half = 0.5 * glm::dvec2(plan.columns, plan.rows);
+    const glm::dmat2 clip = glm::dmat2(1 / half.x, 0, 0, 1 / half.y) * glm::inverse(plan.texel);
     CausticMapPush push;
     push.shear = glm::vec2(plan.shear - horizontal(origin) * plan.inverse_height);
     push.inverse_height = static_cast<float>(plan.inverse_height);
-    push.clip_scale = glm::vec2(2.0 / size);
-    push.clip_offset = glm::vec2(-2.0 * (plan.corner - horizontal(origin)) / size - 1.0);
+    push.clip_scale = glm::vec4(clip[0], clip[1]);
+    push.clip_offset = glm::vec2(-(clip * (plan.corner() - horizontal(origin))) - 1.0);
     // Depth 0 at the bound that is nearest to the light, 1 at the other. Points beyond a light inside the
     // waves lie behind the eye.
     const double steep = std::abs(plan.inverse_height);
@@ -60,8 +63,11 @@ BeamRaysPush rays_push(const scene::FrameScene& scene, const MapPlan& plan, cons
     const double n = scene.state.water->refractive_index;
     const bool sun = light.type == scene::LightType::sun;
     BeamRaysPush push;
-    push.corner = glm::vec2(plan.corner - horizontal(scene.origin));
-    push.texel = glm::vec2(plan.texel);
+    push.anchor = glm::vec2(plan.anchor - horizontal(scene.origin));
+    push.column_step = glm::vec2(plan.texel[0]);
+    push.row_step = glm::vec2(plan.texel[1]);
+    push.first_column = static_cast<int>(plan.first.x);
+    push.first_row = static_cast<int>(plan.first.y);
     push.shear = glm::vec2(plan.shear - horizontal(scene.origin) * plan.inverse_height);
     push.inverse_height = static_cast<float>(plan.inverse_height);
     push.rest_height = static_cast<float>(-scene.origin.y);
@@ -75,9 +81,7 @@ BeamRaysPush rays_push(const scene::FrameScene& scene, const MapPlan& plan, cons
         push.cos_inner = static_cast<float>(std::cos(std::max(0.0, light.cone_angle - light.falloff_angle)));
     }
     push.axis = glm::vec3(mesh.axis);
-    push.columns = static_cast<std::uint32_t>(plan.columns);
-    push.first_row = 0;
-    push.rows = 0;
+    push.left = push.top = push.columns = push.rows = 0;
     push.sun = sun ? 1 : 0;
     push.reflection = mesh.event == Event::reflection ? 1 : 0;
     return push;
@@ -89,18 +93,20 @@ BeamMesh empty_mesh(const scene::FrameScene& scene, const MapPlan& plan, int lig
     mesh.name = chain_name(scene.state, {light_index, event});
     mesh.light = light_index;
     mesh.event = event;
+    mesh.cascade = plan.cascade;
     mesh.from_below = plan.from_below;
     if (!plan.lit) return mesh;
     mesh.axis = mesh_axis(light, plan.from_below, event, scene.state.water->refractive_index);
     mesh.rows = plan.rows;
     mesh.columns = plan.columns;
-    mesh.cell = glm::vec2(plan.texel);
+    mesh.cell = glm::vec2(plan.cell());
     const std::size_t vertices = static_cast<std::size_t>(plan.rows) * static_cast<std::size_t>(plan.columns);
     mesh.origin.resize(vertices);
-    mesh.slope.resize(vertices);
+    mesh.slope.resize(vertices, glm::vec3(mesh.axis));  // finite where no ray is traced
     mesh.start.resize(vertices);
     mesh.flux.resize(vertices);
     mesh.valid.resize(vertices);
+    if (plan.weighted()) mesh.weight.resize(vertices);
     return mesh;
 }
 
@@ -115,9 +121,10 @@ public:
     /// Mean over a texel, by its corners on the rest plane.
     glm::vec3 of(std::size_t vertex) const {
         const std::size_t columns = static_cast<std::size_t>(plan_.columns);
-        const glm::dvec2 low = plan_.corner + glm::dvec2(vertex % columns, vertex / columns) * plan_.texel;
-        const auto way = [&](double x, double z) {
-            return glm::dvec3(low.x + x * plan_.texel.x, 0, low.y + z * plan_.texel.y) - light_.position;
+        const glm::dvec2 low = plan_.corner() + plan_.texel * glm::dvec2(vertex % columns, vertex / columns);
+        const auto way = [&](double column, double row) {
+            const glm::dvec2 point = low + plan_.texel * glm::dvec2(column, row);
+            return glm::dvec3(point.x, 0, point.y) - light_.position;
         };
         return glm::vec3(0.5 * (picture_.mean({way(0, 0), way(0, 1), way(1, 1)}) +
                                 picture_.mean({way(0, 0), way(1, 1), way(1, 0)})));
@@ -135,32 +142,46 @@ private:
     SpotPicture picture_;
 };
 
-/// Takes `rays` into the mesh from vertex `first` on; returns the number of those that carry light.
-std::size_t take_rays(std::span<const BeamRay> rays, std::size_t first, const MapTint& tint, BeamMesh& mesh) {
+/// Takes the rays of the texels in `box`, row by row, into the mesh; returns the number of those that carry
+/// light.
+std::size_t take_rays(std::span<const BeamRay> rays, const MapPlan& plan, const TexelBox& box,
+                      const MapTint& tint, BeamMesh& mesh) {
     constexpr std::size_t kTile = 1 << 14;
     struct Sum {
         double lost = 0;
         std::size_t photons = 0;
     };
+    const std::size_t columns = static_cast<std::size_t>(box.columns);
     std::vector<Sum> tiles(rays.size() / kTile + 1);
     parallel_for(rays.size(), kTile, [&](std::size_t begin, std::size_t end) {
         Sum sum;
         for (std::size_t i = begin; i < end; ++i) {
             const BeamRay& ray = rays[i];
-            mesh.origin[first + i] = ray.origin;
-            mesh.slope[first + i] = ray.slope;
-            mesh.start[first + i] = ray.start;
-            mesh.flux[first + i] = std::max(0.0f, ray.flux);
-            mesh.valid[first + i] = ray.flux >= 0 ? 1 : 0;
+            const int column = box.first_column + static_cast<int>(i % columns),
+                      row = box.first_row + static_cast<int>(i / columns);
+            const std::size_t vertex =
+                static_cast<std::size_t>(row) * static_cast<std::size_t>(plan.columns) +
+                static_cast<std::size_t>(column);
+            mesh.origin[vertex] = ray.origin;
+            mesh.slope[vertex] = ray.slope;
+            mesh.start[vertex] = ray.start;
+            mesh.flux[vertex] = std::max(0.0f, ray.flux);
+            mesh.valid[vertex] = ray.flux >= 0 ? 1 : 0;
             double lost = static_cast<double>(ray.lost);
+            if (plan.weighted()) {
+                const double share = plan.share(column, row);
+                mesh.weight[vertex] = static_cast<float>(share);
+                mesh.flux[vertex] *= mesh.weight[vertex];
+                lost *= share;
+            }
             if (tint.exists() && (ray.flux > 0 || ray.lost > 0)) {
-                const glm::vec3 let_through = tint.of(first + i);
-                mesh.tint[first + i] = let_through;
-                if (let_through == glm::vec3(0)) mesh.flux[first + i] = 0;
+                const glm::vec3 let_through = tint.of(vertex);
+                mesh.tint[vertex] = let_through;
+                if (let_through == glm::vec3(0)) mesh.flux[vertex] = 0;
                 lost *= tint.share_of(let_through);
             }
             sum.lost += lost;
-            sum.photons += mesh.flux[first + i] > 0 ? 1 : 0;
+            sum.photons += mesh.flux[vertex] > 0 ? 1 : 0;
         }
         tiles[begin / kTile] = sum;
     });
@@ -172,6 +193,40 @@ std::size_t take_rays(std::span<const BeamRay> rays, std::size_t first, const Ma
     return photons;
 }
 
+/// The water on the device, for all maps of a light.
+struct WaterBuffers {
+    WaterBuffers(gpu::Device& device, const scene::FrameScene& scene, bool whole_maps)
+        : mesh(scene.water->mesh),
+          whole(whole_maps),
+          positions(device, "water positions", mesh.positions.size() * sizeof(glm::vec3)),
+          normals(device, "water normals", mesh.normals.size() * sizeof(glm::vec3)),
+          indices(device, "water triangles", mesh.triangles.size() * sizeof(glm::uvec3)) {
+        // Heights stay absolute: their own digits are what slopes and landing points hang on.
+        const glm::dvec3 origin(scene.origin.x, 0, scene.origin.z);
+        const std::span<glm::vec3> p = positions.as<glm::vec3>(), n = normals.as<glm::vec3>();
+        parallel_for(mesh.positions.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) {
+                p[i] = glm::vec3(mesh.positions[i] - origin);
+                n[i] = glm::vec3(mesh.normals[i]);
+            }
+        });
+    }
+
+    /// Of several cascades each is drawn from the triangles that may lie on its ring.
+    void take_triangles(const MapPlan& plan) {
+        const std::vector<glm::uvec3> ring =
+            whole ? std::vector<glm::uvec3>() : triangles_of_ring(plan, mesh);
+        const std::vector<glm::uvec3>& kept = whole ? mesh.triangles : ring;
+        std::copy(kept.begin(), kept.end(), indices.as<glm::uvec3>().begin());
+        triangles = static_cast<std::uint32_t>(kept.size());
+    }
+
+    const scene::TriangleMesh& mesh;
+    bool whole;
+    gpu::Buffer positions, normals, indices;
+    std::uint32_t triangles = 0;
+};
+
 }  // namespace
 
 struct CausticMapper::State {
@@ -181,32 +236,60 @@ struct CausticMapper::State {
           compute(d, "beam rays", light_beam_rays_comp,
                   {.storage_buffers = 1, .sampled_images = 1, .push_bytes = sizeof(BeamRaysPush)}) {}
 
-    /// Fills the mesh from the map, in batches of rows that fit a storage binding.
+    /// The light-view raster of one map. Maps of several cascades follow one after another, so that only one
+    /// takes memory; layers of one image would all.
+    gpu::Image draw_map(const scene::FrameScene& scene, const MapPlan& plan, WaterBuffers& water,
+                        FrameStats& stats) {
+        gpu::Image map(device, "caustic map", plan.columns, plan.rows, gpu::Format::rgba32f);
+        const gpu::Image depth(device, "caustic map depth", plan.columns, plan.rows, gpu::Format::depth32f);
+        {
+            const ScopedPass pass(stats, "caustic map");
+            water.take_triangles(plan);
+        }
+        gpu::Bindings bindings{
+            .buffers = {&water.positions, &water.normals}, .images = {}, .writes = {}, .push = {}};
+        bindings.set_push(map_push(plan, scene.origin));
+        gpu::PassList passes(device);
+        passes.draw("caustic map", raster, std::move(bindings), {.colors = {&map}, .depth = &depth},
+                    {.vertices = 3 * water.triangles, .index_buffer = &water.indices});
+        passes.run(stats);
+        return map;
+    }
+
+    /// Fills the mesh from the parts of the map, each in batches of rows that fit a storage binding.
     void trace_mesh(const scene::FrameScene& scene, const MapPlan& plan, const gpu::Image& map,
                     BeamMesh& mesh, FrameStats& stats) {
-        const std::size_t columns = static_cast<std::size_t>(plan.columns);
-        const std::size_t most =
-            std::max<std::size_t>(1, device.largest_storage_range() / (columns * sizeof(BeamRay)));
-        const std::size_t batch = std::min(static_cast<std::size_t>(plan.rows), most);
-        gpu::Buffer buffer(device, "beam rays", batch * columns * sizeof(BeamRay));
         BeamRaysPush push =
             rays_push(scene, plan, scene.state.lights[static_cast<std::size_t>(mesh.light)], mesh);
         const MapTint tint(scene, plan, mesh.light);
         if (tint.exists()) mesh.tint.resize(mesh.vertices(), glm::vec3(0));
         std::size_t photons = 0;
-        for (std::size_t row = 0; row < static_cast<std::size_t>(plan.rows); row += batch) {
-            push.first_row = static_cast<std::uint32_t>(row);
-            push.rows =
-                static_cast<std::uint32_t>(std::min(batch, static_cast<std::size_t>(plan.rows) - row));
-            gpu::Bindings bindings{.buffers = {&buffer}, .images = {&map}, .writes = {&buffer}, .push = {}};
-            bindings.set_push(push);
-            gpu::PassList passes(device);
-            passes.compute("refraction", compute, std::move(bindings),
-                           {(push.columns + kGroupColumns - 1) / kGroupColumns,
-                            (push.rows + kGroupRows - 1) / kGroupRows, 1});
-            passes.run(stats);
-            photons +=
-                take_rays(buffer.as<const BeamRay>().first(push.rows * columns), row * columns, tint, mesh);
+        for (const TexelBox& part : plan.parts) {
+            const std::size_t columns = static_cast<std::size_t>(part.columns);
+            const std::size_t most =
+                std::max<std::size_t>(1, device.largest_storage_range() / (columns * sizeof(BeamRay)));
+            const int batch = static_cast<int>(std::min(static_cast<std::size_t>(part.rows), most));
+            gpu::Buffer buffer(device, "beam rays",
+                               static_cast<std::size_t>(batch) * columns * sizeof(BeamRay));
+            TexelBox box = part;
+            for (int row = 0; row < part.rows; row += batch) {
+                box.first_row = part.first_row + row;
+                box.rows = std::min(batch, part.rows - row);
+                push.left = static_cast<std::uint32_t>(box.first_column);
+                push.top = static_cast<std::uint32_t>(box.first_row);
+                push.columns = static_cast<std::uint32_t>(box.columns);
+                push.rows = static_cast<std::uint32_t>(box.rows);
+                gpu::Bindings bindings{
+                    .buffers = {&buffer}, .images = {&map}, .writes = {&buffer}, .push = {}};
+                bindings.set_push(push);
+                gpu::PassList passes(device);
+                passes.compute("refraction", compute, std::move(bindings),
+                               {(push.columns + kGroupColumns - 1) / kGroupColumns,
+                                (push.rows + kGroupRows - 1) / kGroupRows, 1});
+                passes.run(stats);
+                photons +=
+                    take_rays(buffer.as<const BeamRay>().first(push.rows * columns), plan, box, tint, mesh);
+            }
         }
         if (plan.capped) mesh.lost_flux += flux_outside_map(scene, plan, mesh.light, mesh.event);
         stats.count("photons", static_cast<double>(photons));
@@ -223,50 +306,36 @@ CausticMapper::~CausticMapper() = default;
 std::vector<BeamMesh> CausticMapper::trace(const scene::FrameScene& scene, const rays::RayScene& rays,
                                            int light_index, const std::vector<Event>& events,
                                            const scene::CausticMapParameters& parameters, FrameStats& stats) {
-    gpu::Device& device = state_->device;
     const scene::Light& light = scene.state.lights[static_cast<std::size_t>(light_index)];
-    const MapPlan plan = plan_map(scene, light_index, parameters.map_resolution);
+    const glm::dvec3 color = light.type == scene::LightType::sun ? light.irradiance : light.intensity;
+    const std::vector<MapPlan> plans = plan_cascades(scene, light_index, parameters);
     std::vector<BeamMesh> meshes;
-    meshes.reserve(events.size());
-    for (const Event event : events) meshes.push_back(empty_mesh(scene, plan, light_index, event));
-    if (!plan.lit || meshes.empty()) return meshes;
-
-    const gpu::Image map(device, "caustic map", plan.columns, plan.rows, gpu::Format::rgba32f);
+    if (plans.empty() || events.empty()) return meshes;
+    meshes.reserve(plans.size() * events.size());
+    if (!plans.front().lit) {
+        for (const Event event : events)
+            meshes.push_back(empty_mesh(scene, plans.front(), light_index, event));
+        return meshes;
+    }
+    std::optional<WaterBuffers> water;
     {
-        const scene::TriangleMesh& water = scene.water->mesh;
-        gpu::Buffer positions(device, "water positions", water.positions.size() * sizeof(glm::vec3));
-        gpu::Buffer normals(device, "water normals", water.normals.size() * sizeof(glm::vec3));
-        gpu::Buffer indices(device, "water triangles", water.triangles.size() * sizeof(glm::uvec3));
-        const gpu::Image depth(device, "caustic map depth", plan.columns, plan.rows, gpu::Format::depth32f);
-        {
-            const ScopedPass pass(stats, "caustic map");
-            // Heights stay absolute: their own digits are what slopes and landing points hang on.
-            const glm::dvec3 origin(scene.origin.x, 0, scene.origin.z);
-            const std::span<glm::vec3> p = positions.as<glm::vec3>(), n = normals.as<glm::vec3>();
-            parallel_for(water.positions.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
-                for (std::size_t i = begin; i < end; ++i) {
-                    p[i] = glm::vec3(water.positions[i] - origin);
-                    n[i] = glm::vec3(water.normals[i]);
-                }
-            });
-            std::copy(water.triangles.begin(), water.triangles.end(), indices.as<glm::uvec3>().begin());
+        const ScopedPass pass(stats, "caustic map");
+        water.emplace(state_->device, scene, plans.size() == 1);
+    }
+    for (const MapPlan& plan : plans) {
+        const gpu::Image map = state_->draw_map(scene, plan, *water, stats);
+        const std::size_t first = meshes.size();
+        for (const Event event : events) {
+            BeamMesh& mesh = meshes.emplace_back(empty_mesh(scene, plan, light_index, event));
+            state_->trace_mesh(scene, plan, map, mesh, stats);
+            stats.count("lost flux, W", mesh.lost_flux * (color.r + color.g + color.b) / 3);
         }
-        gpu::Bindings bindings{.buffers = {&positions, &normals}, .images = {}, .writes = {}, .push = {}};
-        bindings.set_push(map_push(plan, scene.origin));
-        gpu::PassList passes(device);
-        passes.draw(
-            "caustic map", state_->raster, std::move(bindings), {.colors = {&map}, .depth = &depth},
-            {.vertices = static_cast<std::uint32_t>(3 * water.triangles.size()), .index_buffer = &indices});
-        passes.run(stats);
-    }
-    for (BeamMesh& mesh : meshes) {
-        state_->trace_mesh(scene, plan, map, mesh, stats);
-        const glm::dvec3 color = light.type == scene::LightType::sun ? light.irradiance : light.intensity;
-        stats.count("lost flux, W", mesh.lost_flux * (color.r + color.g + color.b) / 3);
-    }
-    if (may_shadow(scene, rays, light)) {
-        const ScopedPass pass(stats, "light shadows");
-        stats.count("shadowed photons", static_cast<double>(shadow_meshes(meshes, scene, rays)));
+        if (may_shadow(scene, rays, light)) {
+            const ScopedPass pass(stats, "light shadows");
+            const std::span<BeamMesh> of_map(meshes.begin() + static_cast<std::ptrdiff_t>(first),
+                                             meshes.end());
+            stats.count("shadowed photons", static_cast<double>(shadow_meshes(of_map, scene, rays)));
+        }
     }
     return meshes;
 }

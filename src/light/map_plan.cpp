@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
+#include "base/error.h"
 #include "optics/optics.h"
 
 namespace dapple::light {
@@ -23,19 +25,36 @@ glm::dvec2 reach(const MapPlan& plan, const scene::Extent& extent, double displa
     return result;
 }
 
-int border_texels(double reach, double texel, int inner, bool& capped) {
-    const double wanted = reach > 0 ? std::ceil(reach / texel) : 0;
-    const int most = inner / 2;
-    if (wanted <= most) return static_cast<int>(wanted);
-    capped = true;
-    return most;
-}
-
 }  // namespace
 
-MapPlan plan_map(const scene::FrameScene& scene, int light_index, int resolution) {
+double MapPlan::share(int column, int row) const {
+    if (!weighted()) return 1;
+    const std::size_t x = static_cast<std::size_t>(column), z = static_cast<std::size_t>(row);
+    return shares.outer_x[x] * shares.outer_z[z] - shares.inner_x[x] * shares.inner_z[z];
+}
+
+void check_map_size(std::int64_t columns, std::int64_t rows) {
+    constexpr std::int64_t kMost = 1 << 16;
+    if (columns > kMost || rows > kMost)
+        throw Error(ExitCode::device,
+                    "a caustic map of " + std::to_string(columns) + " x " + std::to_string(rows) +
+                        " texels cannot be made; take fewer photons a side or more cascades");
+}
+
+int border_texels(double thrown, double texel, double inner, bool& capped) {
+    const double wanted = thrown > 0 ? std::ceil(thrown / texel) : 0;
+    const double most = std::floor(inner / 2);
+    if (wanted > most) capped = true;
+    return static_cast<int>(std::min(wanted, most));
+}
+
+glm::dvec2 thrown_off(const MapPlan& plan, const scene::FrameScene& scene) {
+    if (!(scene.water->height_bound > 0 || scene.water->displacement_bound > 0)) return glm::dvec2(0);
+    return reach(plan, scene.state.water->extent, scene.water->displacement_bound);
+}
+
+MapPlan plan_projection(const scene::FrameScene& scene, int light_index) {
     const scene::Light& light = scene.state.lights[static_cast<std::size_t>(light_index)];
-    const scene::Extent& extent = scene.state.water->extent;
     MapPlan plan;
     if (light.type == scene::LightType::sun) {
         plan.lit = light.direction.y < -kLowestSun;
@@ -50,20 +69,23 @@ MapPlan plan_map(const scene::FrameScene& scene, int light_index, int resolution
     }
     // A little room, so that a height at its bound is inside the depth range in float too.
     plan.height_bound = 1.001 * scene.water->height_bound + 1e-3;
+    return plan;
+}
 
+MapPlan plan_map(const scene::FrameScene& scene, int light_index, double resolution) {
+    const scene::Extent& extent = scene.state.water->extent;
+    MapPlan plan = plan_projection(scene, light_index);
+    if (!plan.lit) return plan;
     const double size = std::max(extent.size.x, extent.size.y) / resolution;
-    const int inner_columns = std::max(1, static_cast<int>(std::lround(extent.size.x / size)));
-    const int inner_rows = std::max(1, static_cast<int>(std::lround(extent.size.y / size)));
-    plan.texel = extent.size / glm::dvec2(inner_columns, inner_rows);
-    // Flat water needs no border, whatever the room above.
-    glm::dvec2 thrown(0);
-    if (scene.water->height_bound > 0 || scene.water->displacement_bound > 0)
-        thrown = reach(plan, extent, scene.water->displacement_bound);
-    const int border_x = border_texels(thrown.x, plan.texel.x, inner_columns, plan.capped);
-    const int border_z = border_texels(thrown.y, plan.texel.y, inner_rows, plan.capped);
-    plan.columns = inner_columns + 2 * border_x;
-    plan.rows = inner_rows + 2 * border_z;
-    plan.corner = extent.center - 0.5 * extent.size - glm::dvec2(border_x, border_z) * plan.texel;
+    const glm::dvec2 inner = glm::max(glm::dvec2(1), glm::round(extent.size / size));
+    const glm::dvec2 texel = extent.size / inner, thrown = thrown_off(plan, scene);
+    const glm::ivec2 border(border_texels(thrown.x, texel.x, inner.x, plan.capped),
+                            border_texels(thrown.y, texel.y, inner.y, plan.capped));
+    plan.texel = glm::dmat2(texel.x, 0, 0, texel.y);
+    plan.columns = static_cast<int>(inner.x) + 2 * border.x;
+    plan.rows = static_cast<int>(inner.y) + 2 * border.y;
+    plan.anchor = extent.center - 0.5 * extent.size - glm::dvec2(border) * texel;
+    plan.parts = {{0, 0, plan.columns, plan.rows}};
     return plan;
 }
 

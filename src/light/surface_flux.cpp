@@ -13,8 +13,7 @@ namespace {
 bool inside(const MapPlan& plan, glm::dvec3 point) {
     const double w = 1 - plan.inverse_height * point.y;
     if (w <= 0) return false;
-    const glm::dvec2 texel =
-        ((glm::dvec2(point.x, point.z) - plan.shear * point.y) / w - plan.corner) / plan.texel;
+    const glm::dvec2 texel = plan.texel_of((glm::dvec2(point.x, point.z) - plan.shear * point.y) / w);
     return texel.x >= 0 && texel.y >= 0 && texel.x <= plan.columns && texel.y <= plan.rows;
 }
 

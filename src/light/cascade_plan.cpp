@@ -1,0 +1,117 @@
+#include "light/cascade_plan.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "light/cascade_layout.h"
+#include "light/paper_cascades.h"
+#include "light/ring.h"
+
+namespace dapple::light {
+namespace {
+
+/// Of those of a cascade's photons that water lies at, or may be thrown to.
+TexelRange water_range(const CascadeLayout& layout, std::size_t cascade, int axis, double thrown,
+                       bool& capped) {
+    const CascadeBox& outermost = layout.boxes.back();
+    const std::int64_t multiple = layout.multiple(cascade);
+    const double texel = layout.boxes[cascade].texel[axis];
+    const std::int64_t across = layout.extent_texels[axis] * multiple;
+    const std::int64_t first = -static_cast<std::int64_t>(std::floor(layout.margin[axis] / texel));
+    const int widest =
+        border_texels(thrown, outermost.texel[axis], static_cast<double>(layout.extent_texels[axis]), capped);
+    const double own = thrown > 0 ? std::ceil(std::min(thrown / texel, 1e15)) : 0;
+    const std::int64_t border = std::min(static_cast<std::int64_t>(own), widest * multiple);
+    return {first - border, first + across - 1 + border};
+}
+
+/// False where the cascade has nothing to carry.
+bool place_map(const scene::FrameScene& scene, const CascadeLayout& layout, std::size_t cascade,
+               MapPlan& plan) {
+    const bool last = cascade + 1 == layout.boxes.size();
+    const CascadeBox& box = layout.boxes[cascade];
+    const CascadeBox* finer = cascade > 0 ? &layout.boxes[cascade - 1] : nullptr;
+    const glm::dvec2 thrown = thrown_off(plan, scene);
+    plan.cascade = static_cast<int>(cascade);
+    plan.texel = glm::dmat2(box.texel.x, 0, 0, box.texel.y);
+    TexelRange map[2], hole[2];
+    bool capped = false;
+    for (int axis = 0; axis < 2; ++axis) {
+        map[axis] = water_range(layout, cascade, axis, thrown[axis], capped);
+        // A box's ends are among its texels: what carries nothing there still is a neighbour of what does.
+        if (!last)
+            map[axis] = {std::max(map[axis].low, box.low[axis] * box.ratio),
+                         std::min(map[axis].high, box.high[axis] * box.ratio)};
+        else if (!layout.whole)
+            map[axis] = {std::max(map[axis].low, box.low[axis]),
+                         std::min(map[axis].high, box.high[axis] - 1)};
+        if (map[axis].low > map[axis].high) return false;
+        hole[axis] = {1, 0};
+        if (finer != nullptr)
+            hole[axis] = {finer->low[axis] + finer->ramp + 1 - map[axis].low,
+                          finer->high[axis] - finer->ramp - 1 - map[axis].low};
+    }
+    const std::int64_t columns = map[0].high - map[0].low + 1, rows = map[1].high - map[1].low + 1;
+    check_map_size(columns, rows);
+    plan.columns = static_cast<int>(columns);
+    plan.rows = static_cast<int>(rows);
+    plan.parts = ring(plan.columns, plan.rows, hole[0], hole[1]);
+    plan.capped = last && (capped || !layout.whole);
+
+    // Places are counted from one near the frame's origin, where floats tell them apart best.
+    const glm::dvec2 origin(scene.origin.x, scene.origin.z);
+    const glm::i64vec2 near(glm::round((origin - layout.base) / box.texel));
+    plan.anchor = layout.base + (glm::dvec2(near) - 0.5) * box.texel;
+    plan.first = glm::i64vec2(map[0].low, map[1].low) - near;
+
+    if (plan.parts.empty()) return false;
+    const auto shares = [&](int axis, std::vector<double>& outer, std::vector<double>& inner) {
+        for (std::int64_t k = map[axis].low; k <= map[axis].high; ++k) {
+            outer.push_back(last ? 1 : own_inner_share(box, axis, k));
+            inner.push_back(finer != nullptr ? inner_share(*finer, axis, k) : 0);
+        }
+    };
+    if (layout.boxes.size() > 1) {
+        shares(0, plan.shares.outer_x, plan.shares.inner_x);
+        shares(1, plan.shares.outer_z, plan.shares.inner_z);
+    }
+    return true;
+}
+
+}  // namespace
+
+std::vector<MapPlan> plan_cascades(const scene::FrameScene& scene, int light,
+                                   const scene::CausticMapParameters& parameters) {
+    if (!plan_projection(scene, light).lit) return {plan_projection(scene, light)};
+    if (parameters.paper_faithful) return plan_paper_cascades(scene, light, parameters);
+    if (parameters.cascades == 1 && !(parameters.inner_size > 0)) {
+        const double size = inner_box_size(scene.state, parameters);
+        return {plan_map(scene, light, cascade_resolution(parameters, 0, size))};
+    }
+    const CascadeLayout layout = lay_out_cascades(scene.state, parameters);
+    std::vector<MapPlan> plans;
+    for (std::size_t cascade = 0; cascade < layout.boxes.size(); ++cascade) {
+        MapPlan plan = plan_projection(scene, light);
+        if (place_map(scene, layout, cascade, plan)) plans.push_back(std::move(plan));
+    }
+    return plans;
+}
+
+MapTexels count_texels(const scene::FrameState& state, const scene::CausticMapParameters& parameters) {
+    const glm::dvec2 extent = state.water->extent.size;
+    const double longer = std::max(extent.x, extent.y);
+    MapTexels texels;
+    double size = inner_box_size(state, parameters);
+    for (int c = 0; c < parameters.cascades; ++c, size *= parameters.cascade_scale) {
+        const double spacing = size / cascade_resolution(parameters, static_cast<std::size_t>(c), size);
+        const glm::dvec2 held =
+            parameters.paper_faithful ? glm::dvec2(size) : glm::min(extent, glm::dvec2(size));
+        const glm::dvec2 side = glm::ceil(held / spacing);
+        texels.largest = std::max(texels.largest, side.x * side.y);
+        texels.all += side.x * side.y;
+        if (!parameters.paper_faithful && size >= longer) break;
+    }
+    return texels;
+}
+
+}  // namespace dapple::light

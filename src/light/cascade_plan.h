@@ -1,0 +1,24 @@
+#pragma once
+#include <vector>
+
+#include "light/map_plan.h"
+#include "scene/frame_scene.h"
+
+namespace dapple::light {
+
+/// The maps of one light, the innermost cascade first, without those that have nothing to carry (the camera
+/// may stand far from all water). Where the light does not reach the surface: one that is not lit.
+///
+/// By default the shares of neighbouring cascades pass into each other over ramps (cascade_layout.h) and sum
+/// to one at every point; with `paper_faithful` the boxes are those of Kougianos and Moustakas 2021.
+std::vector<MapPlan> plan_cascades(const scene::FrameScene& scene, int light,
+                                   const scene::CausticMapParameters& parameters);
+
+/// Texels, borders left out, that the maps of one light may have: to foresee memory.
+struct MapTexels {
+    double largest = 0;  ///< of one map
+    double all = 0;
+};
+MapTexels count_texels(const scene::FrameState& state, const scene::CausticMapParameters& parameters);
+
+}  // namespace dapple::light
