@@ -11,13 +11,52 @@ namespace {
 /// Events at most on a way across all beams.
 constexpr double kMostSteps = 32;
 constexpr std::uint32_t kNoBeam = 0xffffffffu;
+/// Beams up to so many times as wide as half of them are together, and so on.
+constexpr std::array<double, 2> kWidthClasses = {8, 512};
+
+/// Half the width and half the height at s, m, together.
+double half_width(const CameraBeam& beam, const glm::dvec2& half, double s) {
+    return half.x * length(glm::dvec3(beam.u_origin) + s * glm::dvec3(beam.u_direction)) +
+           half.y * length(glm::dvec3(beam.v_origin) + s * glm::dvec3(beam.v_direction));
+}
+
+/// Where the middle path ends at a slope, a path beside it may go on for longer.
+double reach(const CameraBeam& beam, const glm::dvec2& half) {
+    return beam.length + 4 * half_width(beam, half, beam.length);
+}
+
+double middle_width(const CameraBeam& beam, const glm::dvec2& half) {
+    return half_width(beam, half, 0.5 * reach(beam, half));
+}
 
 }  // namespace
 
-CameraBeams::CameraBeams(std::vector<CameraBeam> beams, glm::dvec2 half)
+std::vector<CameraBeams> CameraBeams::by_width(std::vector<CameraBeam> beams, glm::dvec2 half) {
+    std::vector<CameraBeams> result;
+    if (beams.empty()) return result;
+    std::vector<double> widths;
+    for (const CameraBeam& beam : beams) widths.push_back(middle_width(beam, half));
+    std::nth_element(widths.begin(), widths.begin() + static_cast<std::ptrdiff_t>(widths.size() / 2),
+                     widths.end());
+    const double median = widths[widths.size() / 2];
+    std::array<std::vector<CameraBeam>, kWidthClasses.size() + 1> classes;
+    for (CameraBeam& beam : beams) {
+        std::size_t k = 0;
+        while (k < kWidthClasses.size() && middle_width(beam, half) > kWidthClasses[k] * median) ++k;
+        classes[k].push_back(beam);
+    }
+    const double all = static_cast<double>(beams.size());
+    for (std::vector<CameraBeam>& some : classes) {
+        if (some.empty()) continue;
+        const double share = static_cast<double>(some.size()) / all;
+        result.push_back(CameraBeams(std::move(some), half, share));
+    }
+    return result;
+}
+
+CameraBeams::CameraBeams(std::vector<CameraBeam> beams, glm::dvec2 half, double share)
     : beams_(std::move(beams)), half_(half) {
-    if (beams_.empty()) return;
-    choose_voxels();
+    choose_voxels(share);
     const std::size_t voxels = static_cast<std::size_t>(count_.x) * static_cast<std::size_t>(count_.y) *
                                static_cast<std::size_t>(count_.z);
     // A beam visits a voxel in steps that follow one another: the last visitor tells repetitions.
@@ -38,14 +77,6 @@ CameraBeams::CameraBeams(std::vector<CameraBeam> beams, glm::dvec2 half)
     found_.resize(first_.back());
     std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
     each([&](std::size_t v, std::uint32_t b) { found_[next[v]++] = b; });
-}
-
-/// Where the middle path ends at a slope, a path beside it may go on for longer.
-double CameraBeams::reach(const CameraBeam& beam) const {
-    const double s = beam.length;
-    const double width = half_.x * length(glm::dvec3(beam.u_origin) + s * glm::dvec3(beam.u_direction)) +
-                         half_.y * length(glm::dvec3(beam.v_origin) + s * glm::dvec3(beam.v_direction));
-    return s + 4 * width;
 }
 
 namespace {
@@ -94,20 +125,18 @@ struct Edges {
 
 }  // namespace
 
-void CameraBeams::choose_voxels() {
+void CameraBeams::choose_voxels(double share) {
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
     low_ = glm::dvec3(kInfinity);
     high_ = glm::dvec3(-kInfinity);
     double way = 0, width = 0;
     for (const CameraBeam& beam : beams_) {
         const Edges edges(beam, half_);
-        const double end = reach(beam);
+        const double end = reach(beam, half_);
         edges.bounds(0, low_, high_);
         edges.bounds(end, low_, high_);
         way += end;
-        const glm::dvec3 u = glm::dvec3(beam.u_origin) + 0.5 * end * glm::dvec3(beam.u_direction);
-        const glm::dvec3 v = glm::dvec3(beam.v_origin) + 0.5 * end * glm::dvec3(beam.v_direction);
-        width += half_.x * length(u) + half_.y * length(v);
+        width += middle_width(beam, half_);
     }
     width /= static_cast<double>(beams_.size());
     const glm::dvec3 size = high_ - low_;
@@ -115,8 +144,8 @@ void CameraBeams::choose_voxels() {
     const auto too_many = [&] {
         const double around = 1 + width / voxel_;
         const glm::dvec3 counts = glm::floor(size / voxel_) + 1.0;
-        return counts.x * counts.y * counts.z > kMostVoxels ||
-               3 * way / voxel_ * around * around > kMostEntries;
+        return counts.x * counts.y * counts.z > share * kMostVoxels ||
+               3 * way / voxel_ * around * around > share * kMostEntries;
     };
     while (too_many()) voxel_ *= 1.25;
     count_ = glm::ivec3(glm::floor(size / voxel_)) + 1;
@@ -126,7 +155,7 @@ void CameraBeams::choose_voxels() {
 template <class Visit>
 void CameraBeams::visit_voxels(const CameraBeam& beam, const Visit& visit) const {
     const Edges edges(beam, half_);
-    const double end = reach(beam);
+    const double end = reach(beam, half_);
     const double steps = std::ceil(end / voxel_);
     double before = slenderness(beam, 0);
     for (double step = 0; step < steps; ++step) {
@@ -197,7 +226,8 @@ bool CameraBeams::find(const CameraBeam& beam, const glm::dvec3& position, Place
     }
     place.widening = widening(slenderness(beam, place.s));
     const glm::dvec2 half = place.widening * half_;
-    return std::abs(place.u) < half.x && std::abs(place.v) < half.y && place.s > 0 && place.s < reach(beam);
+    return std::abs(place.u) < half.x && std::abs(place.v) < half.y && place.s > 0 &&
+           place.s < reach(beam, half_);
 }
 
 bool CameraBeams::add_events(const LightWay& way, MediaProbe& light_probe, MediaProbe& eye_probe,

@@ -30,9 +30,10 @@ struct CameraBeam {
 /// sum. (A place that a beam covers twice counts once.)
 class CameraBeams {
 public:
+    /// Beams of one layer, those of about one width together: the few that a surface fans out over
+    /// kilometres, near total reflection, would make the voxels of all others too large to tell them apart.
     /// `half` is half the beams' width and height, pixels.
-    CameraBeams() = default;
-    CameraBeams(std::vector<CameraBeam> beams, glm::dvec2 half);
+    static std::vector<CameraBeams> by_width(std::vector<CameraBeam> beams, glm::dvec2 half);
 
     /// Limits of the voxels; larger ones are used where these do not suffice.
     static constexpr double kMostVoxels = 0x1p24, kMostEntries = 0x1.8p25;
@@ -41,7 +42,6 @@ public:
 
     static constexpr double kThin = 0.02, kWidest = 4;
 
-    bool any() const { return !beams_.empty(); }
     /// Adds what a way of light scatters into the picture. True where places were found at which a medium had
     /// dimmed the light to 0, so that shallower ones may have been missed.
     bool add_events(const LightWay& way, MediaProbe& light_probe, MediaProbe& eye_probe, RandomStream& random,
@@ -54,8 +54,9 @@ private:
         double widening;  ///< of the beam in u and in v
     };
     bool find(const CameraBeam& beam, const glm::dvec3& position, Place& place) const;
-    double reach(const CameraBeam& beam) const;
-    void choose_voxels();
+    /// `share`: of the voxels and entries that are allowed.
+    CameraBeams(std::vector<CameraBeam> beams, glm::dvec2 half, double share);
+    void choose_voxels(double share);
     template <class Visit>
     void visit_voxels(const CameraBeam& beam, const Visit& visit) const;
     bool voxel(const glm::dvec3& position, std::size_t& index) const;

@@ -113,7 +113,7 @@ CameraSegments::CameraSegments(const scene::FrameScene& scene, const rays::RaySc
         }
     }
     for (CameraBeam& beam : found) beam.factor /= static_cast<float>(alike[beam.segment]);
-    beams = CameraBeams(std::move(found), 0.5 * size);
+    beams = CameraBeams::by_width(std::move(found), 0.5 * size);
 
     eye.emplace(scene, from_eye.in_water);
     for (std::size_t pixel = 0; pixel < pixels && from_eye.perspective; ++pixel) {

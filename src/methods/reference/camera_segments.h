@@ -16,7 +16,7 @@ namespace dapple::reference {
 /// a grid of sub-pixel paths.
 struct CameraSegments {
     std::optional<EyeConnection> eye;
-    CameraBeams beams;
+    std::vector<CameraBeams> beams;
     std::size_t segments = 0;
     std::vector<glm::dvec3> throughput;  ///< of the layer's own
 

@@ -94,8 +94,8 @@ bool trace_events(const VolumeJob& job, const LightPass& pass, std::size_t sourc
         const std::size_t first = sink.events.size();
         if (job.segments.eye->any())
             extinguished |= job.segments.eye->add_events(way, along_light, to_eye, random, sink.events);
-        if (job.segments.beams.any())
-            extinguished |= job.segments.beams.add_events(way, along_light, to_eye, random, sink.events);
+        for (const CameraBeams& beams : job.segments.beams)
+            extinguished |= beams.add_events(way, along_light, to_eye, random, sink.events);
         for (std::size_t i = first; i < sink.events.size(); ++i) number(way, sink.events[i]);
         if (sink.events.size() >= kBatch) sink.flush();
     }
