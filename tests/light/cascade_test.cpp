@@ -124,15 +124,16 @@ TEST(Cascades, WhatCarriesLightIsTracedAndSoAreItsNeighbors) {
 }
 
 TEST(Cascades, RingsHaveTheNumberOfPhotonsOfTheFormula) {
-    // Of a box 128 photons wide the middle 64 are the finer cascade's. Its ramp of 8 steps lies inside it:
-    // 49 x 49 places of the coarser one, from step 8 to step 56, have no share.
+    // Of a box 128 photons wide the middle 64 are the finer cascade's. Its ramp of 15 steps (a quarter, less
+    // one for the snapping) lies inside it: 35 x 35 places of the coarser one, from step 15 to step 49, have
+    // no share.
     const scene::FrameScene scene = sea_scene({16, 16}, {1.3, -2.1}, true);
     const std::vector<MapPlan> plans = plan_cascades(scene, 0, parameters(4, 2, 128));
     ASSERT_EQ(plans.size(), 4u);
     EXPECT_EQ(carrying(plans[0]), 127u * 127u);  // the box's ends carry nothing
-    EXPECT_EQ(carrying(plans[1]), 127u * 127u - 49u * 49u);
-    EXPECT_EQ(carrying(plans[2]), 127u * 127u - 49u * 49u);
-    EXPECT_EQ(carrying(plans[3]), 128u * 128u - 49u * 49u);
+    EXPECT_EQ(carrying(plans[1]), 127u * 127u - 35u * 35u);
+    EXPECT_EQ(carrying(plans[2]), 127u * 127u - 35u * 35u);
+    EXPECT_EQ(carrying(plans[3]), 128u * 128u - 35u * 35u);
     for (const double scale : {2.0, 4.0}) {
         scene::CausticMapParameters map = parameters(3, scale, 128);
         map.paper_faithful = true;
@@ -242,7 +243,7 @@ TEST(Cascades, TogetherCarryTheFluxOfOneMap) {
 TEST(Cascades, CountOnlyPhotonsThatAreTraced) {
     FrameStats stats;
     trace(sea_scene({16, 16}, {1.3, -2.1}, true), parameters(2, 2, 128), stats);
-    EXPECT_EQ(stats.counted("photons"), 2 * (127 * 127 + 128 * 128 - 49 * 49));
+    EXPECT_EQ(stats.counted("photons"), 2 * (127 * 127 + 128 * 128 - 35 * 35));
 }
 
 TEST(Cascades, TakeWhatTheyAreGiven) {
