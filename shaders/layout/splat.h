@@ -10,8 +10,9 @@ struct Splat {
     float tolerance;  // m, receivers farther off the tangent plane are not lit
     vec3 axis_a;      // 1/m: dot(axis_a, x - position) is the kernel's first coordinate, in [-1, 1] on its
                       // support;
-    float box_a;      //      perpendicular to the beam. Half-width of the box that widens the tent, in [0, 1)
-    vec3 axis_b;      // 1/m, the second coordinate
+    float box_a;  //      perpendicular to the beam. Half-width of the box that widens the tent, in [0, 1),
+                  //      or the box, in (0, 1)
+    vec3 axis_b;  // 1/m, the second coordinate
     float box_b;
     vec3 irradiance;  // W/m^2 for a kernel value of 1
     float in_water;   // 1: lights receivers in the water, 0: in the air
@@ -22,7 +23,11 @@ struct Splat {
 };
 
 struct SplatPush {
-    vec2 picture;  // pixels, width and height
+    vec2 picture;      // pixels, width and height
+    uint boxes;        // 1: kernels are boxes, 0: tents
+    uint depth_test;   // 1: receivers behind the splat as the camera sees it are lit, else those on its plane
+    vec3 camera;       // m, where the camera stands (perspective), or the unit direction towards it
+    uint perspective;  // 1 or 0
 };
 
 LAYOUT_END

@@ -152,6 +152,20 @@ struct CausticMapParameters {
     bool paper_faithful = false;
 };
 
+/// What a photon lights where it lands.
+enum class PhotonFootprint {
+    tent,                 ///< a kernel on the lattice of its neighbours, which reproduces linear functions
+    fixed,                ///< its cell of the map, whatever the water does to the beam
+    photon_differential,  ///< the cell spread by the derivatives of its ray
+    photon_difference,    ///< the cell that its neighbours' rays span where they land
+    point,                ///< a pixel
+};
+
+struct PhotonSplattingParameters {
+    PhotonFootprint footprint = PhotonFootprint::tent;
+    double footprint_scale = 1;  ///< of the footprint's sides
+};
+
 struct SlicedBeamsParameters {
     int sun_samples = 1;  ///< equal parts of a sun's disc, each traced by its middle and widened by its size
     /// Directions of a sun's disc that each camera segment in a medium is lit from; those of a pixel's camera
@@ -191,6 +205,7 @@ struct Caustics {
     AdaptiveBeamsParameters adaptive_beams;
     ReferenceParameters reference;
     CausticMapParameters map;
+    PhotonSplattingParameters photon_splatting;
 };
 
 /// ASC CDL, applied in the role color_timing.

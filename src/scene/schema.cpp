@@ -305,6 +305,16 @@ const Structure& caustics_schema() {
                 "as Kougianos and Moustakas 2021: hard borders, boxes in the light's frame that follow the "
                 "camera")
                 .only_for(kMapMethods),
+            choice<&Caustics::photon_splatting, &PhotonSplattingParameters::footprint>(
+                "footprint", {"tent", "fixed", "photon_differential", "photon_difference", "point"},
+                "what a photon lights where it lands")
+                .only_for({"photon_splatting"}),
+            number<&Caustics::photon_splatting, &PhotonSplattingParameters::footprint_scale>(
+                "footprint_scale", Dimension::number,
+                "of the footprint's sides: larger ones blur, smaller ones leave gaps; flux stays")
+                .within(0.01, 100)
+                .constant()
+                .only_for({"photon_splatting"}),
             integral<&Caustics::sliced_beams, &SlicedBeamsParameters::sun_samples>(
                 "sun_samples", FieldKind::integer,
                 "equal parts of a sun's disc, each traced by its middle and widened by its size")

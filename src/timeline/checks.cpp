@@ -156,6 +156,10 @@ private:
     }
 
     void check_caustics(const scene::Caustics& caustics) {
+        const char* footprint_scale = "caustics.footprint_scale";
+        if (program_.given.count(footprint_scale) > 0 &&
+            caustics.photon_splatting.footprint == scene::PhotonFootprint::point)
+            fault(footprint_scale, "a point has no size; take footprint: fixed for splats of a given size");
         const char* low_pass = "caustics.paper_low_pass";
         if (program_.given.count(low_pass) > 0 && !caustics.adaptive_beams.paper_faithful)
             fault(low_pass, "blurs the light of the paper's beams only; add paper_faithful: true");

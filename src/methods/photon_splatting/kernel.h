@@ -15,21 +15,33 @@ struct KernelMetric {
 /// The metric in which the lattice is reduced: that of the pixel and the disc together.
 glm::mat2 reduction_metric(const KernelMetric& metric);
 
+/// What a kernel is before it is widened, on vectors that span a lattice of photons.
+enum class KernelShape {
+    tent,  ///< sums to one over the lattice and reproduces linear functions
+    box,   ///< a parallelogram of even brightness; sums to one over the lattice
+};
+struct KernelStyle {
+    KernelShape shape = KernelShape::tent;
+    float scale = 1;      ///< of its size: blur for gaps. A sum of one over the lattice needs a whole number.
+    bool widened = true;  ///< by pixel and disc; else, for boxes, seen at the pixels' points as a raster does
+};
+
 /// A kernel on the plane: profile(a, box_a) * profile(b, box_b) at the point a first + b second, |a|, |b| <=
-/// 1, with integral 1 over (a, b). Each profile is the lattice's tent convolved with a box: tents on a
-/// lattice sum to one and reproduce linear functions, and keep both under convolution with anything, so the
-/// box may have any width.
+/// 1, with integral 1 over (a, b). Each profile is a tent or a box convolved with a box. Sums of one and what
+/// is reproduced stay under convolution with anything, so this box may have any width.
 struct PlaneKernel {
     glm::vec2 first;  ///< m, half-extents of the support
     glm::vec2 second;
-    float box_first;  ///< half-width of the box, in units of the support; the tent's is 1 - that
+    float box_first;  ///< half-width of the box, in units of the support; the shape's own is 1 - that
     float box_second;
 };
 
-/// Widens the tent on a lattice basis. By a pixel's box where the spacing is a pixel or less, by less up to
-/// spacings of two pixels, by nothing beyond; the sun's disc by a box of the disc's variance. Collapsed
-/// vectors are replaced by a hundredth of a pixel across the other one, so the kernel is always finite and
-/// keeps its integral.
-PlaneKernel widened_kernel(const LatticeBasis& basis, const KernelMetric& metric);
+/// Widens the shape on a lattice basis by a pixel's box, so that the samples of pixels hold all its flux, and
+/// by the sun's disc, as a box of the same variance. Tents of a whole scale, whose sum over the lattice holds
+/// the flux already, are widened by less than the pixel beyond spacings of one pixel, and by nothing beyond
+/// two. Collapsed vectors are replaced by a hundredth of a pixel across the other one, so the kernel is
+/// always finite and keeps its integral; not so where it is not widened.
+PlaneKernel widened_kernel(const LatticeBasis& basis, const KernelMetric& metric,
+                           const KernelStyle& style = {});
 
 }  // namespace dapple::methods

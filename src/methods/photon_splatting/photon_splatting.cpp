@@ -4,8 +4,10 @@
 #include <cmath>
 
 #include "layout/splat.h"
+#include "light/cascade_plan.h"
 #include "light/caustic_map.h"
 #include "light/landing.h"
+#include "methods/photon_splatting/footprint.h"
 #include "methods/photon_splatting/splat_builder.h"
 #include "methods/photon_splatting/splat_renderer.h"
 
@@ -33,14 +35,13 @@ Support PhotonSplatting::supports_surface(const scene::FrameState& state) const 
 
 std::size_t PhotonSplatting::bytes(const scene::FrameState& state, std::size_t pixels) const {
     if (!state.water) return 0;
-    const glm::dvec2 size = state.water->extent.size;
-    const double side = state.caustics.map.map_resolution;
-    // Photons without the border, which is thin but for low suns: at most four times as many in all.
-    const double photons = side * side * std::min(size.x, size.y) / std::max(size.x, size.y);
+    // Without the border, which is thin but for low suns: at most four times as many in all. One map after
+    // another is drawn, landed and cut into splats.
+    const light::MapTexels photons = light::count_texels(state, state.caustics.map);
     constexpr double kMap = 16 + 4 + 36;  // surface, depth, rays
     const bool pictures = std::any_of(state.lights.begin(), state.lights.end(),
                                       [](const scene::Light& light) { return !light.texture.empty(); });
-    const double mesh = 12 + 12 + 4 + 4 + 1 + (pictures ? 12 : 0);
+    const double mesh = 12 + 12 + 4 + 4 + 4 + 1 + (pictures ? 12 : 0);
     constexpr double kLanding = 4 + 12;
     constexpr double kSplats = 2 * sizeof(layout::Splat);  // in bands, then on the device
     const double events = 2 * static_cast<double>(state.lights.size());
@@ -48,7 +49,8 @@ std::size_t PhotonSplatting::bytes(const scene::FrameState& state, std::size_t p
     // In double, held: maps of absurd size must not wrap around to a small number.
     constexpr double kMost = 0x1p61;
     return static_cast<std::size_t>(
-        std::min(kMost, photons * (kMap + 2 * mesh + kLanding + kSplats + events * sizeof(layout::Splat)) +
+        std::min(kMost, photons.largest * (kMap + kLanding + kSplats) +
+                            photons.all * (2 * mesh + events * sizeof(layout::Splat)) +
                             static_cast<double>(pixels) * kLayer));
 }
 
@@ -58,6 +60,7 @@ void PhotonSplatting::begin(FrameContext& context) {
     renderer.clear();
     const media::Media media(context.scene);
     const scene::CausticMapParameters& map = context.scene.state.caustics.map;
+    const SplatStyle style = splat_style(context.scene.state.caustics);
     for (std::size_t next = 0; next < context.chains.size();) {
         // Chains of one light share its map.
         const int light = context.chains[next].light;
@@ -73,8 +76,8 @@ void PhotonSplatting::begin(FrameContext& context) {
             }
             context.stats.count("photons landed", static_cast<double>(landings.count));
             const ScopedPass pass(context.stats, "photon footprints");
-            const Splats splats =
-                build_splats(context.scene, media, mesh, landings, context.device.largest_point_size());
+            const Splats splats = build_splats(context.scene, media, mesh, landings, style,
+                                               context.device.largest_point_size());
             renderer.add(splats);
             context.stats.count("photons without neighbors", static_cast<double>(splats.without_neighbors));
         }
@@ -85,7 +88,8 @@ void PhotonSplatting::begin(FrameContext& context) {
 
 void PhotonSplatting::irradiance(FrameContext& context, std::span<const view::ReceiverLayer> layers,
                                  std::span<LayerResult> results) {
-    state_->renderer.render(layers, results, context.stats);
+    const SplatStyle style = splat_style(context.scene.state.caustics);
+    state_->renderer.render(context.scene, style, layers, results, context.stats);
 }
 
 }  // namespace dapple::methods

@@ -1,166 +1,95 @@
 #include "methods/photon_splatting/splat_builder.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <utility>
 
 #include "base/parallel.h"
 #include "light/grid_blocks.h"
-#include "light/way_transmittance.h"
 #include "methods/photon_splatting/kernel.h"
+#include "methods/photon_splatting/landed_faces.h"
 #include "methods/photon_splatting/lattice.h"
+#include "methods/photon_splatting/photon_power.h"
 #include "methods/photon_splatting/picture_box.h"
 
 namespace dapple::methods {
 namespace {
 
-// A neighbour's ray that meets the tangent plane so much more steeply or levelly spans no footprint with this
-// one.
-constexpr float kLeastRelativeCosine = 0.1f;
 // A plane seen more edge-on than this covers no pixel.
 constexpr float kLeastViewCosine = 1e-4f;
-// Receivers within this share of the kernel's half-extent of the tangent plane are on the same surface: the
-// sagitta of a kernel as large as half the radius of curvature.
-constexpr float kPlaneTolerance = 0.25f;
-
-// Neighbours further apart on the water, in cells, are on different sheets of it: a crest hides what lies
-// between.
-constexpr float kFarthestNeighbor = 4;
-
 // Pixels whose shading costs as much as what a quad costs more than a point before it is shaded (measured on
 // lavapipe, pool and sea: any value from 30 to 200 does).
 constexpr float kQuadSetup = 64;
 
-// As in splat_fragment.glsl.
-constexpr float kSmallestNormalCosine = 0.7f;
-// Steps between neighbours by which a plane may lie behind what a ray hit and still form a corner with it.
-constexpr float kCornerReach = 2;
-
 class Builder {
 public:
     Builder(const scene::FrameScene& scene, const media::Media& media, const light::BeamMesh& mesh,
-            const light::Landings& landings, float largest_point)
+            const light::Landings& landings, const SplatStyle& style, float largest_point)
         : mesh_(mesh),
           landings_(landings),
-          ways_(scene, media, mesh),
+          style_(style),
+          grid_(scene, mesh),
+          power_(scene, media, grid_, style.paper_power),
           picture_(scene),
-          largest_point_(largest_point),
-          columns_(static_cast<std::size_t>(mesh.columns)),
-          rows_(static_cast<std::size_t>(mesh.rows)) {
+          largest_point_(largest_point) {
         const scene::Light& light = scene.state.lights[static_cast<std::size_t>(mesh.light)];
-        const scene::Water& water = *scene.state.water;
-        const bool sun = light.type == scene::LightType::sun;
-        color_ = glm::vec3(sun ? light.irradiance : light.intensity);
-        farthest_ = kFarthestNeighbor * std::max(mesh.cell.x, mesh.cell.y);
         // Refraction into the water narrows the disc by 1/n across the plane of incidence and by more, cos(i)
         // / (n cos(t)), in it; the wider one stands for both.
-        if (sun)
-            disc_ =
-                static_cast<float>(0.5 * light.angular_diameter /
-                                   (mesh.event == light::Event::transmission ? water.refractive_index : 1.0));
+        if (grid_.sun() && style.disc)
+            disc_ = static_cast<float>(
+                0.5 * light.angular_diameter /
+                (mesh.event == light::Event::transmission ? scene.state.water->refractive_index : 1.0));
     }
 
-    /// The splat of photon i where it lands, and on the planes of neighbours that landed on other faces.
+    /// The splats of photon i on each face that it lights.
     void build(std::size_t i, std::vector<layout::Splat>& points, std::vector<layout::Splat>& quads,
                std::size_t& without_neighbors) const {
         if (!(mesh_.flux[i] > 0)) return;
+        const LandedFaces faces = landed_faces(mesh_, landings_, i, style_.every_face);
         const bool landed = std::isfinite(landings_.depth[i]);
-        std::array<std::size_t, 5> faces{};
-        std::size_t count = 0;
-        if (landed) {
-            faces[count++] = i;
-            if (!emit(i, landings_.depth[i], landings_.normal[i], points, quads)) ++without_neighbors;
-        }
-        const std::size_t row = i / columns_, column = i % columns_;
-        const std::array<std::pair<bool, std::size_t>, 4> neighbors = {{{column > 0, i - 1},
-                                                                        {column + 1 < columns_, i + 1},
-                                                                        {row > 0, i - columns_},
-                                                                        {row + 1 < rows_, i + columns_}}};
-        for (const auto& [present, j] : neighbors) {
-            if (!present || !std::isfinite(landings_.depth[j])) continue;
-            const bool known = std::any_of(faces.begin(), faces.begin() + static_cast<std::ptrdiff_t>(count),
-                                           [&, face = j](std::size_t k) { return same_face(face, k); });
-            float depth;
-            if (known || !reaches(i, j, depth)) continue;
-            faces[count++] = j;
-            emit(i, depth, landings_.normal[j], points, quads);
+        for (std::size_t k = 0; k < faces.count; ++k) {
+            const PhotonHit hit = grid_.hit(i, faces.faces[k].depth, faces.faces[k].normal);
+            if (!emit(hit, points, quads) && landed && k == 0) ++without_neighbors;
         }
     }
 
 private:
-    glm::vec3 landing(std::size_t i) const { return mesh_.origin[i] + landings_.depth[i] * mesh_.slope[i]; }
-
-    /// Whether a splat of one lights receivers about the other: what the fragment shader asks of a receiver.
-    bool same_face(std::size_t j, std::size_t k) const {
-        if (j == k) return true;
-        if (glm::dot(landings_.normal[j], landings_.normal[k]) < kSmallestNormalCosine) return false;
-        const glm::vec3 step = landing(k) - landing(j);
-        return std::abs(glm::dot(landings_.normal[j], step)) <= kPlaneTolerance * glm::length(step);
-    }
-
-    /// Depth at which ray i meets the plane that its neighbour j landed on. False where i was stopped well
-    /// before: there it lies in shadow. A plane shortly behind what i hit is the other side of a concave
-    /// corner. Neighbours past the edge of a face so take part in the lattice on it, and the sum of kernels
-    /// is one up to the edge.
-    bool reaches(std::size_t i, std::size_t j, float& depth) const {
-        const glm::vec3 normal = landings_.normal[j];
-        const float own = glm::dot(normal, mesh_.slope[i]), other = glm::dot(normal, mesh_.slope[j]);
-        if (!(own < kLeastRelativeCosine * other)) return false;  // both are negative
-        const glm::vec3 level =
-            (mesh_.origin[i] - mesh_.origin[j]) + landings_.depth[j] * (mesh_.slope[i] - mesh_.slope[j]);
-        depth = landings_.depth[j] - glm::dot(normal, level) / own;
-        if (depth < mesh_.start[i]) return false;
-        const float behind = (depth - landings_.depth[i]) * glm::length(mesh_.slope[i]);
-        return !(behind > kCornerReach * glm::length(level));
-    }
-
-    /// Adds the splats of ray i on the plane at `depth`; false where a direction of the grid has no
-    /// neighbour.
-    bool emit(std::size_t i, float depth, glm::vec3 normal, std::vector<layout::Splat>& points,
+    /// False where the photon has too few neighbours for its footprint.
+    bool emit(const PhotonHit& hit, std::vector<layout::Splat>& points,
               std::vector<layout::Splat>& quads) const {
-        const glm::vec3 slope = mesh_.slope[i];
-        const glm::vec3 point = mesh_.origin[i] + depth * slope;
+        const glm::vec3 point = hit.point, normal = hit.normal, beam = hit.beam;
         glm::vec2 pixel;
         glm::vec3 gradient_x, gradient_y;
         if (!picture_.at(point, pixel, gradient_x, gradient_y)) return true;
         const glm::vec3 to_camera = picture_.to_camera(point);
         if (glm::dot(normal, to_camera) < kLeastViewCosine * glm::length(to_camera)) return true;
 
-        glm::vec3 along_columns, along_rows;
-        const std::size_t row = i / columns_, column = i % columns_;
-        const bool has_row =
-            difference(i, column > 0, column + 1 < columns_, 1, depth, normal, along_columns);
-        const bool has_column = difference(i, row > 0, row + 1 < rows_, columns_, depth, normal, along_rows);
-        if (!has_row) along_columns = parallel_step(i, {mesh_.cell.x, 0, 0}, normal);
-        if (!has_column) along_rows = parallel_step(i, {0, 0, mesh_.cell.y}, normal);
-
+        const Footprint footprint = style_.footprint(grid_, hit);
         const glm::vec3 right =
             glm::normalize(std::abs(normal.x) < 0.7f ? glm::cross(normal, glm::vec3(1, 0, 0))
                                                      : glm::cross(normal, glm::vec3(0, 1, 0)));
         const glm::vec3 up = glm::cross(normal, right);
-        const float steepness = glm::length(slope), way = steepness * (depth - mesh_.start[i]);
-        const glm::vec3 beam = slope / steepness;
         KernelMetric metric;
         metric.pixel_from_plane = {{glm::dot(gradient_x, right), glm::dot(gradient_y, right)},
                                    {glm::dot(gradient_x, up), glm::dot(gradient_y, up)}};
-        const glm::vec2 lean(glm::dot(beam, right), glm::dot(beam, up));
-        metric.beam_gram = glm::mat2(1) - glm::outerProduct(lean, lean);
-        metric.disc_radius = disc_ * way;
         const auto on_plane = [&](glm::vec3 v) { return glm::vec2(glm::dot(v, right), glm::dot(v, up)); };
-        const ReducedLattice lattice =
-            reduce_lattice(on_plane(along_columns), on_plane(along_rows), reduction_metric(metric));
+        const glm::vec2 lean = on_plane(beam);
+        metric.beam_gram = glm::mat2(1) - glm::outerProduct(lean, lean);
+        metric.disc_radius = disc_ * hit.way;
+        ReducedLattice lattice;
+        lattice.bases[0] = {on_plane(footprint.first), on_plane(footprint.second), 1};
+        if (style_.reduced)
+            lattice =
+                reduce_lattice(lattice.bases[0].first, lattice.bases[0].second, reduction_metric(metric));
 
         layout::Splat splat;
         splat.position = point;
         splat.normal = normal;
         splat.in_water = mesh_.in_water() ? 1.0f : 0.0f;
-        glm::vec3 power = mesh_.flux[i] * color_ * ways_.of(surface_point(i), point, way);
-        if (!mesh_.tint.empty()) power *= mesh_.tint[i];
+        const glm::vec3 power = footprint.gain * power_.at(hit);
         const float facing = glm::dot(beam, normal);
         for (int b = 0; b < lattice.count; ++b) {
             const LatticeBasis& basis = lattice.bases[static_cast<std::size_t>(b)];
-            const PlaneKernel kernel = widened_kernel(basis, metric);
+            const PlaneKernel kernel = widened_kernel(basis, metric, style_.kernel);
             const glm::vec3 first = kernel.first.x * right + kernel.first.y * up;
             const glm::vec3 second = kernel.second.x * right + kernel.second.y * up;
             PictureCover cover;
@@ -183,7 +112,7 @@ private:
             splat.edge_b = cover.edge_b;
             (point_sprite ? points : quads).push_back(splat);
         }
-        return has_row && has_column;
+        return !footprint.without_neighbors;
     }
 
     /// A point sprite is a square about the box, cheap to set up; a quad fits closely. Leaves in `cover` what
@@ -199,45 +128,6 @@ private:
         return true;
     }
 
-    /// The step to the next ray along the grid on the tangent plane: half the way between both neighbours, or
-    /// the way to the one there is.
-    bool difference(std::size_t i, bool has_before, bool has_after, std::size_t stride, float depth,
-                    glm::vec3 normal, glm::vec3& step) const {
-        glm::vec3 before(0), after(0);
-        has_before = has_before && step_to(i, i - stride, depth, normal, before);
-        has_after = has_after && step_to(i, i + stride, depth, normal, after);
-        if (has_before && has_after) {
-            step = 0.5f * (after - before);
-        } else if (has_after) {
-            step = after;
-        } else {
-            step = -before;
-        }
-        return has_before || has_after;
-    }
-
-    /// The step to a ray parallel to i, `across` away on the rest plane: for a ray without neighbours.
-    glm::vec3 parallel_step(std::size_t i, glm::vec3 across, glm::vec3 normal) const {
-        return across - (glm::dot(normal, across) / glm::dot(normal, mesh_.slope[i])) * mesh_.slope[i];
-    }
-
-    glm::vec3 surface_point(std::size_t i) const { return mesh_.origin[i] + mesh_.start[i] * mesh_.slope[i]; }
-
-    /// From where ray i lands to where ray j meets the same plane. Differences of the rays come first: the
-    /// points themselves have lost the digits.
-    bool step_to(std::size_t i, std::size_t j, float depth, glm::vec3 normal, glm::vec3& step) const {
-        step = glm::vec3(0);
-        if (!mesh_.valid[j]) return false;
-        const glm::vec3 apart = surface_point(j) - surface_point(i);
-        if (glm::dot(apart, apart) > farthest_ * farthest_) return false;
-        const glm::vec3 level =
-            (mesh_.origin[j] - mesh_.origin[i]) + depth * (mesh_.slope[j] - mesh_.slope[i]);
-        const float own = glm::dot(normal, mesh_.slope[i]), other = glm::dot(normal, mesh_.slope[j]);
-        if (!(other < kLeastRelativeCosine * own)) return false;  // both are negative
-        step = level - (glm::dot(normal, level) / other) * mesh_.slope[j];
-        return true;
-    }
-
     static bool finite(const layout::Splat& splat) {
         const glm::vec3 sum = splat.axis_a + splat.axis_b + splat.irradiance;
         return std::isfinite(sum.x + sum.y + sum.z) && std::isfinite(splat.tolerance);
@@ -245,20 +135,19 @@ private:
 
     const light::BeamMesh& mesh_;
     const light::Landings& landings_;
-    light::WayTransmittance ways_;
+    const SplatStyle& style_;
+    PhotonGrid grid_;
+    PhotonPower power_;
     PictureMap picture_;
     float largest_point_;
-    std::size_t columns_, rows_;
-    glm::vec3 color_;
-    float farthest_ = 0;  // m
-    float disc_ = 0;      // radius a m of way, across the beam
+    float disc_ = 0;  // radius a m of way, across the beam
 };
 
 }  // namespace
 
 Splats build_splats(const scene::FrameScene& scene, const media::Media& media, const light::BeamMesh& mesh,
-                    const light::Landings& landings, float largest_point) {
-    const Builder builder(scene, media, mesh, landings, largest_point);
+                    const light::Landings& landings, const SplatStyle& style, float largest_point) {
+    const Builder builder(scene, media, mesh, landings, style, largest_point);
     const light::GridBlocks blocks(mesh.rows, mesh.columns);
     Splats splats;
     splats.points.resize(blocks.bands());

@@ -7,6 +7,7 @@
 #include "light/beam_mesh.h"
 #include "light/landing.h"
 #include "media/media.h"
+#include "methods/photon_splatting/footprint.h"
 #include "scene/frame_scene.h"
 
 namespace dapple::methods {
@@ -19,11 +20,9 @@ struct Splats {
         0;  ///< landed rays alone on their sheet of the water in a direction of the grid
 };
 
-/// Turns landed photons into splats: the footprint is spanned by the neighbours' rays, landed on the tangent
-/// plane of the photon's own landing point (Ouyang & Yang 2020: photon difference scattering), so what the
-/// neighbours hit does not matter. Their power is what the media on both sides of the water let through along
-/// the photon's own way. `largest_point`: pixels.
+/// Turns landed photons into splats with the style's footprints on the tangent planes of their landing
+/// points. `largest_point`: pixels.
 Splats build_splats(const scene::FrameScene& scene, const media::Media& media, const light::BeamMesh& mesh,
-                    const light::Landings& landings, float largest_point);
+                    const light::Landings& landings, const SplatStyle& style, float largest_point);
 
 }  // namespace dapple::methods

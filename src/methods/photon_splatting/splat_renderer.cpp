@@ -19,7 +19,7 @@ namespace {
 using layout::Splat;
 using layout::SplatPush;
 static_assert(sizeof(Splat) == 100);
-static_assert(sizeof(SplatPush) == 8);
+static_assert(sizeof(SplatPush) == 32);
 
 constexpr std::size_t kTile = 1 << 14;
 constexpr std::uint32_t kVerticesPerQuad = 6;
@@ -58,6 +58,19 @@ void read_result(const view::ReceiverLayer& layer, std::span<const glm::vec4> te
             result.irradiance[i] = result.covered[i] != 0 ? glm::vec3(texels[i]) : glm::vec3(0);
         }
     });
+}
+
+SplatPush splat_push(const scene::FrameScene& scene, const SplatStyle& style) {
+    const scene::Camera& camera = scene.state.camera;
+    const bool perspective = camera.projection == scene::Projection::perspective;
+    SplatPush push;
+    push.picture = glm::vec2(scene.state.clip.width, scene.state.clip.height);
+    push.boxes = style.kernel.shape == KernelShape::box ? 1 : 0;
+    push.depth_test = style.paper_receivers ? 1 : 0;
+    push.camera = glm::vec3(perspective ? camera.position - scene.origin
+                                        : glm::normalize(camera.position - camera.target));
+    push.perspective = perspective ? 1 : 0;
+    return push;
 }
 
 /// What one layer needs on the device while it is drawn.
@@ -111,11 +124,8 @@ struct SplatRenderer::State {
         }
     }
 
-    void draw(gpu::PassList& passes, std::span<const view::ReceiverLayer> layers,
-              std::vector<LayerImages>& images) {
-        const bool four = layers.size() == 4;
-        SplatPush push;
-        push.picture = glm::vec2(layers[0].width, layers[0].height);
+    void draw(gpu::PassList& passes, const SplatPush& push, std::vector<LayerImages>& images) {
+        const bool four = images.size() == 4;
         gpu::Targets targets;
         std::vector<const gpu::Image*> receivers;
         for (LayerImages& layer : images) {
@@ -174,8 +184,10 @@ std::size_t SplatRenderer::quads() const {
     return splats_in(state_->quads);
 }
 
-void SplatRenderer::render(std::span<const view::ReceiverLayer> layers, std::span<LayerResult> results,
+void SplatRenderer::render(const scene::FrameScene& scene, const SplatStyle& style,
+                           std::span<const view::ReceiverLayer> layers, std::span<LayerResult> results,
                            FrameStats& stats) {
+    const SplatPush push = splat_push(scene, style);
     const bool nothing = state_->points.empty() && state_->quads.empty();
     for (std::size_t next = 0; next < layers.size();) {
         const std::size_t batch = layers.size() - next >= 4 && !nothing ? 4 : 1;
@@ -196,7 +208,7 @@ void SplatRenderer::render(std::span<const view::ReceiverLayer> layers, std::spa
             }
         }
         gpu::PassList passes(state_->device);
-        state_->draw(passes, part, images);
+        state_->draw(passes, push, images);
         passes.run(stats);
         const ScopedPass pass(stats, "splatting");
         for (std::size_t i = 0; i < batch; ++i)

@@ -5,7 +5,9 @@
 #include "base/stats.h"
 #include "gpu/device.h"
 #include "methods/caustic_method.h"
+#include "methods/photon_splatting/footprint.h"
 #include "methods/photon_splatting/splat_builder.h"
+#include "scene/frame_scene.h"
 #include "view/receiver_layer.h"
 
 namespace dapple::methods {
@@ -23,7 +25,8 @@ public:
     std::size_t points() const;
     std::size_t quads() const;
     /// E of each layer, up to four in one draw; `covered` is set for receivers that the camera sees directly.
-    void render(std::span<const view::ReceiverLayer> layers, std::span<LayerResult> results,
+    void render(const scene::FrameScene& scene, const SplatStyle& style,
+                std::span<const view::ReceiverLayer> layers, std::span<LayerResult> results,
                 FrameStats& stats);
 
 private:
