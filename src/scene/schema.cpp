@@ -15,11 +15,11 @@ namespace {
 using namespace build;
 
 constexpr double kMostPixels = 16384;  // along a side: what Vulkan devices and picture readers take
-constexpr std::array<std::string_view, 4> kCausticMethods{"sliced_beams", "photon_splatting", "reference",
-                                                          "adaptive_beams"};
+constexpr std::array<std::string_view, 5> kCausticMethods{"sliced_beams", "photon_splatting", "reference",
+                                                          "adaptive_beams", "caustic_mesh"};
 
 const std::initializer_list<std::string_view> kMapMethods{
-    "photon_splatting"};  // those that start from a caustic map
+    "photon_splatting", "caustic_mesh"};  // those that start from a caustic map
 
 /// A vector of length 0 stays: checks find it where the timeline is read.
 glm::dvec3 direction_of(const glm::dvec3& v) {
@@ -303,7 +303,8 @@ const Structure& caustics_schema() {
             integral<map, &CausticMapParameters::paper_faithful>(
                 "paper_faithful", FieldKind::boolean,
                 "as Kougianos and Moustakas 2021: hard borders, boxes in the light's frame that follow the "
-                "camera")
+                "camera; of caustic_mesh as Ouyang and Yang 2020 too: triangles of one brightness, none at "
+                "edges of objects")
                 .only_for(kMapMethods),
             choice<&Caustics::photon_splatting, &PhotonSplattingParameters::footprint>(
                 "footprint", {"tent", "fixed", "photon_differential", "photon_difference", "point"},

@@ -138,7 +138,7 @@ TEST(Schema, ReferenceNamesEveryKey) {
 TEST(Schema, ReferenceTellsWhichMethodAKeyIsFor) {
     const std::string reference = key_reference();
     for (const char* line :
-         {"  method: sliced_beams, photon_splatting, reference, adaptive_beams, default ",
+         {"  method: sliced_beams, photon_splatting, reference, adaptive_beams, caustic_mesh, default ",
           "  levels: whole number, >= 0, <= 12, default 3 [method: adaptive_beams]\n",
           "  sun_samples: whole number, >= 1, <= 1024, default 1 [method: sliced_beams]\n",
           "  path_counts: true or false, default true [method: sliced_beams]\n",

@@ -1,0 +1,99 @@
+#include "methods/caustic_mesh/caustic_mesh.h"
+
+#include <algorithm>
+
+#include "layout/mesh_cell.h"
+#include "light/caustic_map.h"
+#include "light/landing.h"
+#include "media/media.h"
+#include "methods/caustic_mesh/cell_builder.h"
+#include "methods/caustic_mesh/cell_renderer.h"
+
+namespace dapple::methods {
+
+struct CausticMesh::State {
+    explicit State(gpu::Device& d) : device(&d), mapper(d), renderer(d) {}
+    gpu::Device* device;
+    light::CausticMapper mapper;
+    caustic_mesh::CellRenderer renderer;
+};
+
+CausticMesh::CausticMesh() = default;
+CausticMesh::~CausticMesh() = default;
+
+Support CausticMesh::supports_surface(const scene::FrameState& state) const {
+    std::string reason = "receivers that the camera sees directly; none behind water or mirrors";
+    if (scene::has_glass(state)) reason += " or glass, and none of the light that glass sends on";
+    if (std::any_of(state.lights.begin(), state.lights.end(), [](const scene::Light& light) {
+            return light.type == scene::LightType::sun && light.angular_diameter > 0;
+        }))
+        reason += state.caustics.map.paper_faithful
+                      ? "; the sun as a point"
+                      : "; the sun's disc as a widening of pixels by its variance";
+    return {Support::Degree::partly, reason};
+}
+
+std::size_t CausticMesh::bytes(const scene::FrameState& state, std::size_t pixels) const {
+    if (!state.water) return 0;
+    const glm::dvec2 size = state.water->extent.size;
+    const double side = state.caustics.map.map_resolution;
+    // Rays without the border, which is thin but for low suns: at most four times as many in all.
+    const double rays = side * side * std::min(size.x, size.y) / std::max(size.x, size.y);
+    constexpr double kMap = 16 + 4 + 36;  // surface, depth, rays
+    const bool pictures = std::any_of(state.lights.begin(), state.lights.end(),
+                                      [](const scene::Light& light) { return !light.texture.empty(); });
+    const double mesh = 12 + 12 + 4 + 4 + 1 + (pictures ? 12 : 0);
+    constexpr double kLanding = 4 + 12 + 4;
+    // Cells of the paper's are triangles.
+    const double cells = sizeof(layout::MeshCell) * (state.caustics.map.paper_faithful ? 2.0 : 1.0);
+    const double events = 2 * static_cast<double>(state.lights.size());
+    constexpr std::size_t kLayer = std::size_t{4} * 5 * 16;  // of four layers: in, receivers, irradiance
+    // In double, held: maps of absurd size must not wrap around to a small number.
+    constexpr double kMost = 0x1p61;
+    // Cells of one mesh in bands, then those of all on the device.
+    return static_cast<std::size_t>(std::min(
+        kMost,
+        rays * (kMap + 2 * mesh + kLanding + cells + events * cells) + static_cast<double>(pixels) * kLayer));
+}
+
+void CausticMesh::begin(FrameContext& context) {
+    if (!state_ || state_->device != &context.device) state_ = std::make_unique<State>(context.device);
+    caustic_mesh::CellRenderer& renderer = state_->renderer;
+    renderer.clear();
+    const media::Media media(context.scene);
+    const scene::CausticMapParameters& map = context.scene.state.caustics.map;
+    for (std::size_t next = 0; next < context.chains.size();) {
+        // Chains of one light share its map.
+        const int light = context.chains[next].light;
+        std::vector<light::Event> events;
+        for (; next < context.chains.size() && context.chains[next].light == light; ++next)
+            events.push_back(context.chains[next].event);
+        for (const light::BeamMesh& mesh :
+             state_->mapper.trace(context.scene, context.rays, light, events, map, context.stats)) {
+            light::Landings landings;
+            {
+                const ScopedPass pass(context.stats, "photon tracing");
+                landings = light::land(mesh, context.rays);
+            }
+            context.stats.count("photons landed", static_cast<double>(landings.count));
+            const ScopedPass pass(context.stats, "mesh cells");
+            const caustic_mesh::Cells cells =
+                caustic_mesh::build_cells(context.scene, media, mesh, landings, context.rays,
+                                          context.device.largest_point_size(), map.paper_faithful);
+            renderer.add(cells);
+            context.stats.count("cells cut at edges", static_cast<double>(cells.cut));
+            context.stats.count("cells widened", static_cast<double>(cells.widened));
+            context.stats.count("triangles left out", static_cast<double>(cells.left_out));
+        }
+    }
+    context.stats.count("mesh cells", static_cast<double>(renderer.points() + renderer.quads()));
+    context.stats.count("large mesh cells", static_cast<double>(renderer.quads()));
+}
+
+void CausticMesh::irradiance(FrameContext& context, std::span<const view::ReceiverLayer> layers,
+                             std::span<LayerResult> results) {
+    state_->renderer.render(context.scene, context.scene.state.caustics.map.paper_faithful, layers, results,
+                            context.stats);
+}
+
+}  // namespace dapple::methods
