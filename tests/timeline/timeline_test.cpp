@@ -238,18 +238,34 @@ TEST(Timeline, EachCausticMethodHasItsKeys) {
     EXPECT_EQ(map.cascade_maps[1].resolution, 256);
     EXPECT_TRUE(map.paper_faithful);
     EXPECT_EQ(caustics("method: photon_splatting, map_precision: 2 cm").map.map_precision, 0.02);
+    const scene::PhotonSplattingParameters photons =
+        caustics("method: photon_splatting, footprint: photon_difference, footprint_scale: 1.5")
+            .photon_splatting;
+    EXPECT_EQ(photons.footprint, scene::PhotonFootprint::photon_difference);
+    EXPECT_EQ(photons.footprint_scale, 1.5);
     EXPECT_EQ(caustics("").method, scene::Caustics().method);
     for (const char* wrong :
-         {"method: magic", "method: sliced_beams, sun_samples: 0", "method: sliced_beams, sun_samples: 1.5",
-          "method: sliced_beams, map_resolution: 8", "method: photon_splatting, sun_samples: 1",
-          "method: photon_splatting, cascades: 0", "method: photon_splatting, cascades: 9",
-          "method: photon_splatting, cascade_scale: 1", "method: photon_splatting, inner_size: -1 m",
-          "method: photon_splatting, cascade_center: sun", "method: sliced_beams, cascades: 2",
+         {"method: magic",
+          "method: sliced_beams, sun_samples: 0",
+          "method: sliced_beams, sun_samples: 1.5",
+          "method: sliced_beams, map_resolution: 8",
+          "method: photon_splatting, sun_samples: 1",
+          "method: photon_splatting, footprint: round",
+          "method: sliced_beams, footprint: fixed",
+          "method: photon_splatting, footprint_scale: 0",
+          "method: photon_splatting, cascades: 0",
+          "method: photon_splatting, cascades: 9",
+          "method: photon_splatting, cascade_scale: 1",
+          "method: photon_splatting, inner_size: -1 m",
+          "method: photon_splatting, cascade_center: sun",
+          "method: sliced_beams, cascades: 2",
           "method: photon_splatting, cascades: 3, cascade_maps: [{resolution: 512}, {resolution: 256}]",
-          "method: photon_splatting, cascade_maps: [{}]", "method: photon_splatting, cascade_maps: [512]",
+          "method: photon_splatting, cascade_maps: [{}]",
+          "method: photon_splatting, cascade_maps: [512]",
           "method: photon_splatting, map_precision: 1 cm, map_resolution: 512",
           "method: photon_splatting, map_precision: 1 cm, cascade_maps: [{resolution: 512}]",
-          "method: reference, standard_error: 0", "method: reference, most_rays: 0",
+          "method: reference, standard_error: 0",
+          "method: reference, most_rays: 0",
           "method: reference, standard_error: {keys: [{frame: 1, value: 0.1}]}"}) {
         EXPECT_THROW(caustics(wrong), TimelineError) << wrong;
     }
