@@ -1,4 +1,6 @@
 #pragma once
+#include <array>
+#include <cstddef>
 #include <glm/glm.hpp>
 
 namespace dapple::denoise {
@@ -7,16 +9,18 @@ namespace dapple::denoise {
 float luminance(const glm::vec3& color);
 
 /// How far a pixel's filter reaches (Kougianos and Moustakas 2021, section 3.3).
-struct AdaptiveKernel {
+struct Kernel {
     int radius;            ///< rho, pixels
     int step;              ///< lambda, pixels
-    float distance_scale;  ///< delta, cm: lengths are Unreal's units there
+    float distance_scale;  ///< delta: cm in the paper, whose unit of length that is
 };
 
-inline constexpr int kLargestAdaptiveRadius = 15;
+/// Equations 26 to 28, from the darkest pixels to the brightest. The filter of fixed radius is the last one.
+inline constexpr std::array<Kernel, 3> kAdaptiveKernels{{{15, 5, 15}, {10, 1, 2}, {5, 1, 1}}};
+inline constexpr float kFixedDistanceScale = 1;
 
-/// Equations 26 to 28. `scene_luminance` is C_scene of equation 25: a threshold (0.114 there, 0.144 in
+/// Which of them a pixel has. `scene_luminance` is C_scene of equation 25: a threshold (0.114 there, 0.144 in
 /// algorithm 4) times the luminance of the weakest light.
-AdaptiveKernel adaptive_kernel(float luminance, float scene_luminance);
+std::size_t adaptive_level(float luminance, float scene_luminance);
 
 }  // namespace dapple::denoise

@@ -25,9 +25,14 @@ public:
           covered_(covered),
           settings_(settings),
           scene_luminance_(static_cast<float>(settings.threshold) * weakest_light),
-          largest_radius_(settings.filter == scene::DenoiseFilter::adaptive ? kLargestAdaptiveRadius
-                                                                            : settings.radius),
-          irradiance_(irradiance) {}
+          irradiance_(irradiance) {
+        if (settings.filter == scene::DenoiseFilter::fixed) {
+            reaches_.emplace_back(Kernel{settings.radius, 1, kFixedDistanceScale});
+        } else {
+            for (const Kernel& kernel : kAdaptiveKernels) reaches_.emplace_back(kernel);
+        }
+        for (const Reach& reach : reaches_) largest_radius_ = std::max(largest_radius_, reach.weights.size());
+    }
 
     void pass() {
         const auto width = static_cast<std::size_t>(layer_.width),
@@ -62,9 +67,9 @@ private:
         return glm::length(glm::cross(layer_.footprint_u[pixel], layer_.footprint_v[pixel]));
     }
 
-    AdaptiveKernel kernel(const glm::vec3& irradiance) const {
-        if (settings_.filter == scene::DenoiseFilter::fixed) return {settings_.radius, 1, 1};
-        return adaptive_kernel(luminance(irradiance), scene_luminance_);
+    const Reach& reach(const glm::vec3& irradiance) const {
+        if (settings_.filter == scene::DenoiseFilter::fixed) return reaches_.front();
+        return reaches_[adaptive_level(luminance(irradiance), scene_luminance_)];
     }
 
     /// Line i begins at pixel i * `line_step`, its pixels are `step` apart.
@@ -92,7 +97,7 @@ private:
         found.guide = guide_of(layer_, index);
         found.area = area(index);
         found.depth = layer_.depth[index];
-        found.kernel = kernel(found.irradiance);
+        found.reach = &reach(found.irradiance);
         return found;
     }
 
@@ -100,7 +105,8 @@ private:
     std::span<const std::uint8_t> covered_;
     const scene::Denoise& settings_;
     float scene_luminance_;
-    int largest_radius_;
+    std::vector<Reach> reaches_;
+    std::size_t largest_radius_ = 0;
     std::span<glm::vec3> irradiance_;
 };
 

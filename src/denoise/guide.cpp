@@ -23,6 +23,8 @@ Guide guide_of(const view::ReceiverLayer& layer, std::size_t pixel) {
     guide.surface = 1 + 8 * layer.object[pixel] + (flags & view::kInWater ? 1u : 0u) +
                     (flags & view::kInGlass ? 2u : 0u) + (flags & view::kBehindSpecular ? 4u : 0u);
     const float u = glm::length(layer.footprint_u[pixel]), v = glm::length(layer.footprint_v[pixel]);
+    guide.rounding =
+        kRounding * (std::abs(guide.position.x) + std::abs(guide.position.y) + std::abs(guide.position.z));
     guide.narrow = std::min(u, v);
     guide.wide = std::max(u, v);
     return guide;
@@ -33,9 +35,7 @@ float edge_stop(const Guide& a, const Guide& b, float pixels_apart) {
     const float cosine = glm::dot(a.normal, b.normal);
     if (!(cosine > kLeastCosine)) return 0;
     const glm::vec3 step = b.position - a.position;
-    const float rounding =
-        kRounding * (std::abs(a.position.x) + std::abs(a.position.y) + std::abs(a.position.z) +
-                     std::abs(b.position.x) + std::abs(b.position.y) + std::abs(b.position.z));
+    const float rounding = a.rounding + b.rounding;
     const float off = std::max(std::abs(glm::dot(a.normal, step)), std::abs(glm::dot(b.normal, step)));
     const float slope = std::max(0.0f, off - rounding) /
                         (kMostSlope * pixels_apart * 0.5f * (a.narrow + b.narrow) + rounding);

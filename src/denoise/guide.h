@@ -16,6 +16,7 @@ struct Guide {
     std::uint32_t surface = kNoSurface;  ///< object, medium, whether it is seen by a specular surface
     float narrow = 0;                    ///< m, the shorter side of the pixel's footprint
     float wide = 0;                      ///< m, the longer one
+    float rounding = 0;                  ///< m, of the position
 };
 
 /// Of a pixel; kNoSurface where it has no receiver.

@@ -10,8 +10,15 @@ constexpr float kUnitsAMetre = 100;  ///< Unreal's unit is 1 cm
 
 }  // namespace
 
-void exchange(std::span<LinePixel> line, int largest_radius, LineScratch& scratch) {
-    const std::size_t count = line.size(), reach = static_cast<std::size_t>(largest_radius);
+Reach::Reach(const Kernel& k) : kernel(k) {
+    for (int d = 1; d <= k.radius; ++d) {
+        const float apart = static_cast<float>(d) / k.distance_scale;
+        weights.push_back(1 / (1 + 10 * apart * apart));
+    }
+}
+
+void exchange(std::span<LinePixel> line, std::size_t largest_radius, LineScratch& scratch) {
+    const std::size_t count = line.size(), reach = largest_radius;
     scratch.weights.assign(count * reach, 0);
     scratch.sums.assign(count, 1);
     scratch.received.assign(count, glm::vec3(0));
@@ -19,11 +26,10 @@ void exchange(std::span<LinePixel> line, int largest_radius, LineScratch& scratc
         if (line[p].guide.surface == kNoSurface) continue;
         for (std::size_t d = 1; d <= reach && p + d < count; ++d) {
             const std::size_t q = p + d;
-            const int radius = std::max(line[p].kernel.radius, line[q].kernel.radius);
-            if (radius < static_cast<int>(d)) continue;
-            const float apart = static_cast<float>(d);
-            const float weight =
-                (1 - apart / static_cast<float>(radius + 1)) * edge_stop(line[p].guide, line[q].guide, apart);
+            if (line[q].guide.surface != line[p].guide.surface) continue;
+            const float by_distance = std::max(line[p].reach->at(d), line[q].reach->at(d));
+            if (by_distance == 0) continue;
+            const float weight = by_distance * edge_stop(line[p].guide, line[q].guide, static_cast<float>(d));
             scratch.weights[p * reach + d - 1] = weight;
             scratch.sums[p] += weight;
             scratch.sums[q] += weight;
@@ -50,16 +56,18 @@ void gather(std::span<LinePixel> line, LineScratch& scratch) {
     scratch.received.resize(line.size());
     for (std::ptrdiff_t i = 0; i < count; ++i) {
         const LinePixel& p = line[static_cast<std::size_t>(i)];
+        if (p.guide.surface == kNoSurface) continue;
+        const Kernel& kernel = p.reach->kernel;
         glm::vec3 sum = p.irradiance;
         float weights = 1;
-        for (std::ptrdiff_t d = -p.kernel.radius; d <= p.kernel.radius; d += p.kernel.step) {
+        for (std::ptrdiff_t d = -kernel.radius; d <= kernel.radius; d += kernel.step) {
             if (d == 0 || i + d < 0 || i + d >= count) continue;
             const LinePixel& q = line[static_cast<std::size_t>(i + d)];
             if (q.guide.surface == kNoSurface) continue;
             const glm::vec3 way = kUnitsAMetre * (p.guide.position - q.guide.position);
             const float by_depth = 1 / (kUnitsAMetre * std::abs(p.depth - q.depth) + 1);
             const float by_place =
-                1 / (1 + 10 * glm::dot(way, way) / (p.kernel.distance_scale * p.kernel.distance_scale));
+                1 / (1 + 10 * glm::dot(way, way) / (kernel.distance_scale * kernel.distance_scale));
             const float weight = by_depth * by_place;
             sum += weight * q.irradiance;
             weights += weight;

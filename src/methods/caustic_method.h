@@ -79,6 +79,9 @@ public:
     /// Whether it follows light through objects of glass: chains that begin there are handed to it, and light
     /// that the water sends on goes through them. For other methods glass casts shadows as objects do.
     virtual bool follows_glass() const { return false; }
+    /// Whether irradiance() answers for layers of any size and of part of the pixels, not only for pictures
+    /// of the context's clip and camera.
+    virtual bool serves_any_layer() const { return false; }
     /// Memory that it needs beside the scene, in bytes.
     virtual std::size_t bytes(const scene::FrameState& state, std::size_t pixels) const = 0;
     /// What comes on top on devices of a type.

@@ -12,8 +12,10 @@
 #include "ocean/lamp_mesh.h"
 #include "rays/ray_scene.h"
 #include "render/albedo.h"
+#include "render/buffer_scale.h"
 #include "render/film.h"
 #include "render/frame_scene_builder.h"
+#include "render/irradiance_pass.h"
 #include "render/plan.h"
 #include "render/segment_lattice.h"
 #include "render/shading.h"
@@ -69,10 +71,20 @@ bool may_scatter(const scene::FrameState& state) {
 /// A layer on its way to the film.
 struct TracedLayer {
     view::ReceiverLayer receivers;
+    view::ReceiverLayer buffer;  ///< receivers that E is found for; without pixels where that is for all
     /// What media scatter towards the pixels, W/m^2/sr; empty without a volume pass.
     std::vector<glm::vec3> volume_direct, volume_caustics;
     std::vector<methods::DataLayer> volume_data;
 };
+
+/// Of a layer and of its buffer: which other branches pixels have.
+struct Splits {
+    std::vector<std::uint8_t> receivers, buffer;
+};
+
+Splits take_splits(TracedLayer& layer) {
+    return {std::move(layer.receivers.splits), std::move(layer.buffer.splits)};
+}
 
 /// What pixels receive of what their segments scatter.
 std::vector<glm::vec3> seen(const view::SegmentLayer& layer, const std::vector<glm::vec3>& radiance) {
@@ -115,7 +127,11 @@ public:
           plan_(make_plan(scene_, method_)),
           media_(scene_),
           rays_(build_rays()),
-          context_{scene_, rays_, kept.device, stats, plan_.chains, checkpoint},
+          buffer_scene_(plan_.buffer_scale == 1 ? std::nullopt
+                                                : std::optional(at_scale(scene_, plan_.buffer_scale))),
+          context_{
+              buffer_scene_ ? *buffer_scene_ : scene_, rays_, kept.device, stats, plan_.chains, checkpoint},
+          irradiance_(method_, context_, scene_, plan_.buffer_scale),
           film_(state.clip.width, state.clip.height, state.clip.samples, state.sky, plan_.volume) {}
 
     RenderedFrame run() {
@@ -150,37 +166,38 @@ private:
     /// split.
     void render_batch(int first, int count) {
         std::vector<TracedLayer> layers;
-        std::vector<std::vector<std::uint8_t>> splits;
+        std::vector<Splits> splits;
         for (int i = 0; i < count; ++i) {
-            layers.push_back(trace({first + i, 0}));
-            splits.push_back(std::move(layers.back().receivers.splits));
+            layers.push_back(trace({first + i, 0}, {}));
+            splits.push_back(take_splits(layers.back()));
         }
         render_layers(std::move(layers));
         for (int i = 0; i < count; ++i) {
-            const std::vector<std::uint8_t>& refracted = splits[static_cast<std::size_t>(i)];
+            const Splits& refracted = splits[static_cast<std::size_t>(i)];
             render_branch(first + i, 2, refracted, view::kSplitsAgain);
-            const std::vector<std::uint8_t> reflected = render_branch(first + i, 1, refracted, view::kSplits);
+            const Splits reflected = render_branch(first + i, 1, refracted, view::kSplits);
             render_branch(first + i, 3, reflected, view::kSplitsAgain);
         }
     }
 
     /// Of the pixels whose path splits so in another branch; the splits of this one.
-    std::vector<std::uint8_t> render_branch(int sample, int branch, std::span<const std::uint8_t> splits,
-                                            view::PathSplits split) {
-        if (std::none_of(splits.begin(), splits.end(), [&](std::uint8_t s) { return (s & split) != 0; }))
+    Splits render_branch(int sample, int branch, const Splits& splits, view::PathSplits split) {
+        if (std::none_of(splits.receivers.begin(), splits.receivers.end(),
+                         [&](std::uint8_t s) { return (s & split) != 0; }))
             return {};
         view::LayerRequest request{sample, branch};
         request.only = split;
-        request.splits = splits;
+        request.splits = splits.receivers;
         std::vector<TracedLayer> layers;
-        layers.push_back(trace(request));
-        std::vector<std::uint8_t> found = std::move(layers.front().receivers.splits);
+        layers.push_back(trace(request, splits.buffer));
+        Splits found = take_splits(layers.front());
         render_layers(std::move(layers));
         return found;
     }
 
-    /// The segments of the layer are gone when it returns: they take more room than its receivers.
-    TracedLayer trace(const view::LayerRequest& request) {
+    /// `buffer_splits`: as the request's, of the buffer. The segments of the layer are gone when it returns:
+    /// they take more room than its receivers.
+    TracedLayer trace(const view::LayerRequest& request, std::span<const std::uint8_t> buffer_splits) {
         TracedLayer layer;
         view::LayerCounts counts;
         view::SegmentLayer segments;
@@ -192,6 +209,14 @@ private:
         stats_.count("camera paths", static_cast<double>(counts.paths));
         stats_.count("dropped splits", static_cast<double>(counts.dropped_splits));
         stats_.count("longest chain hits", static_cast<double>(counts.longest_chain_hits));
+        if (buffer_scene_ && plan_.caustics) {
+            const ScopedPass pass(stats_, "camera paths");
+            view::LayerRequest of_buffer = request;
+            of_buffer.splits = buffer_splits;
+            view::LayerCounts buffer_counts;
+            layer.buffer = view::trace_layer(*buffer_scene_, rays_, of_buffer, buffer_counts);
+            stats_.count("camera paths", static_cast<double>(buffer_counts.paths));
+        }
         if (!plan_.volume) return layer;
         stats_.count("camera segments", static_cast<double>(segments.segments()));
         if (plan_.caustics && plan_.volume_caustics) method_.expect(layer.receivers);
@@ -220,15 +245,19 @@ private:
     }
 
     void render_layers(std::vector<TracedLayer> traced) {
-        std::vector<view::ReceiverLayer> layers;
+        std::vector<view::ReceiverLayer> layers, buffers;
         layers.reserve(traced.size());
-        for (TracedLayer& layer : traced) layers.push_back(std::move(layer.receivers));
+        buffers.reserve(traced.size());
+        for (TracedLayer& layer : traced) {
+            layers.push_back(std::move(layer.receivers));
+            buffers.push_back(std::move(layer.buffer));
+        }
         std::vector<methods::LayerResult> results;
         results.reserve(layers.size());
         for (const view::ReceiverLayer& layer : layers) results.push_back(not_covered(layer.pixels()));
         const bool served = method_.serves_behind_specular() ||
                             std::any_of(layers.begin(), layers.end(), any_direct_receiver);
-        if (plan_.caustics && served) method_.irradiance(context_, layers, results);
+        if (plan_.caustics && served) irradiance_.run(layers, buffers, results);
         for (std::size_t i = 0; i < layers.size(); ++i) {
             const ScopedPass pass(stats_, "shading");
             LayerShading shading;
@@ -255,7 +284,9 @@ private:
     Plan plan_;
     media::Media media_;
     rays::RayScene rays_;
+    std::optional<scene::FrameScene> buffer_scene_;  ///< that E is found in, where it is not scene_
     methods::FrameContext context_;
+    IrradiancePass irradiance_;
     Film film_;
 };
 
@@ -303,7 +334,9 @@ std::size_t FrameRenderer::State::other_bytes(const scene::FrameState& given) {
     // In double: a picture of absurd size must not wrap around to a small number.
     const double count = static_cast<double>(state.clip.width) * static_cast<double>(state.clip.height);
     const bool volume = may_scatter(state);
-    const double a_layer = static_cast<double>(kLayerBytes + (volume ? 2 * sizeof(glm::vec3) : 0));
+    const double side = pixels_a_side(state.caustics.buffer_scale);
+    const double buffer = side > 1 ? kLayerBytes / (side * side) : 0;
+    const double a_layer = static_cast<double>(kLayerBytes + (volume ? 2 * sizeof(glm::vec3) : 0)) + buffer;
     const double a_pixel = static_cast<double>(Film::bytes_per_pixel(volume)) +
                            static_cast<double>(batch_size(state.clip)) * a_layer +
                            static_cast<double>(volume ? kSegmentsAPixel * kSegmentBytes : 0);

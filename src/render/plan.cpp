@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "media/media.h"
+#include "render/buffer_scale.h"
 #include "render/shading.h"
 #include "scene/transform.h"
 #include "view/camera.h"
@@ -62,6 +63,7 @@ public:
           support_(method.supports_surface(scene.state)),
           media_(scene),
           volume_support_(scatters() ? method.supports_volume(scene.state) : methods::Support{}),
+          method_(method),
           serves_behind_specular_(method.serves_behind_specular()),
           follows_glass_(method.follows_glass()) {}
 
@@ -248,6 +250,38 @@ private:
             return;
         }
         add("caustics: " + state_.caustics.method, support_);
+        if (!plan_.caustics) return;
+        plan_buffer();
+        plan_denoise();
+    }
+
+    void plan_buffer() {
+        const scene::BufferScale scale = state_.caustics.buffer_scale;
+        if (scale == scene::BufferScale::full) return;
+        const bool half = scale == scene::BufferScale::half;
+        const std::string pass = std::string("buffer scale: ") + (half ? "half" : "quarter");
+        if (plan_.volume_caustics) {
+            add(pass, false, "what media scatter is found for the picture's own pixels, and E with it");
+            return;
+        }
+        plan_.buffer_scale = pixels_a_side(scale);
+        add(pass, true,
+            std::string("E is found for pixels ") + (half ? "twice" : "four times") +
+                " as wide and high, and interpolated between receivers of one surface" +
+                (method_.serves_any_layer() ? "; elsewhere it is found for each pixel" : ""));
+    }
+
+    void plan_denoise() {
+        const scene::Denoise& denoise = state_.caustics.denoise;
+        if (denoise.filter == scene::DenoiseFilter::none) return;
+        const bool fixed = denoise.filter == scene::DenoiseFilter::fixed;
+        std::string reason = std::to_string(denoise.passes) + (denoise.passes == 1 ? " pass" : " passes");
+        reason += fixed ? ", radius " + std::to_string(denoise.radius) + " pixels"
+                        : std::string(", radius 5 to 15 pixels, by luminance");
+        reason += denoise.paper_faithful
+                      ? "; as printed, which changes the power of the light: see the counts"
+                      : "; within surfaces, the power of the light is kept";
+        add(std::string("denoise: ") + (fixed ? "fixed" : "adaptive"), true, reason);
     }
 
     void plan_volume() {
@@ -321,6 +355,7 @@ private:
     const methods::Support support_;
     const media::Media media_;
     const methods::Support volume_support_;
+    const methods::CausticMethod& method_;
     const bool serves_behind_specular_;
     const bool follows_glass_;
     Plan plan_;

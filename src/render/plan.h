@@ -14,6 +14,7 @@ struct Plan {
     bool water = false;
     bool caustics = false;             ///< there is a chain to trace for receivers
     std::vector<light::Chain> chains;  ///< for the method's FrameContext
+    int buffer_scale = 1;              ///< pixels a side of those that E is found for
     bool flat_water_stand_in = false;  ///< light through water that the method does not look at
     bool direct_light = false;
     bool sky_light = false;

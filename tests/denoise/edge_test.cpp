@@ -19,6 +19,7 @@ Guide on_floor(float x, float z) {
     guide.surface = 1;
     guide.narrow = 0.01f;
     guide.wide = 0.02f;
+    guide.rounding = 2e-6f;
     return guide;
 }
 
@@ -31,7 +32,7 @@ float both_ways(const Guide& a, const Guide& b, float pixels) {
 TEST(EdgeStop, IsOneOnAPlane) {
     EXPECT_EQ(both_ways(on_floor(0, 0), on_floor(0.05f, 0), 5), 1);
     Guide a = on_floor(0, 0), b = on_floor(0.03f, 0.04f);
-    // A slope of 3 in 4; floats of the height leave 1e-7 m beside a slack of 1e-6 of the coordinates.
+    // A slope of 3 in 4; floats of the height leave 1e-7 m beside a slack of 4e-6.
     a.normal = b.normal = glm::normalize(glm::vec3(3, 4, 0));
     b.position.y = -2 - 0.75f * 0.03f;
     EXPECT_EQ(both_ways(a, b, 5), 1);
@@ -79,7 +80,8 @@ TEST(EdgeStop, KnowsObjectsAndMediaApart) {
 /// 0.171.
 TEST(AdaptiveKernel, FollowsLuminance) {
     const auto is = [](float luminance, int radius, int step, float scale) {
-        const denoise::AdaptiveKernel kernel = denoise::adaptive_kernel(luminance, 0.114f * 3);
+        const denoise::Kernel kernel =
+            denoise::kAdaptiveKernels[denoise::adaptive_level(luminance, 0.114f * 3)];
         EXPECT_EQ(kernel.radius, radius) << luminance;
         EXPECT_EQ(kernel.step, step) << luminance;
         EXPECT_EQ(kernel.distance_scale, scale) << luminance;

@@ -174,9 +174,18 @@ TEST(Denoise, LeavesWhatIsNotCoveredAlone) {
     EXPECT_TRUE(std::isnan(irradiance[56].x));
 }
 
-/// A small bump on an even floor spreads by a tent a direction: of half-width rho + 1, whose weights sum to
-/// rho + 1. Radii follow the floor's luminance, by either of the paper's thresholds: 0.012 times the light is
-/// above a tenth of 0.114, and below a tenth of 0.144.
+/// What a filter of this radius and distance scale (equation 23, in pixels) leaves at a distance of a pixel
+/// of one, on an even plane.
+float spread(int pixels, int radius, float scale) {
+    const auto weight = [&](int d) { return 1 / (1 + 10 * static_cast<float>(d * d) / (scale * scale)); };
+    float sum = 1;
+    for (int d = 1; d <= radius; ++d) sum += 2 * weight(d);
+    return std::abs(pixels) > radius ? 0 : weight(pixels) / sum;
+}
+
+/// A small bump on an even floor spreads by the kernel in both directions. Radii follow the floor's
+/// luminance, by either of the paper's thresholds: 0.012 times the light is above a tenth of 0.114, and below
+/// a tenth of 0.144.
 TEST(Denoise, AdaptiveRadiusIsThatOfTheLuminance) {
     const view::ReceiverLayer layer = test::plane_layer(71, 71, 0.01f);
     const auto is = [&](float share, double threshold, int radius) {
@@ -186,15 +195,13 @@ TEST(Denoise, AdaptiveRadiusIsThatOfTheLuminance) {
         scene::Denoise settings = adaptive();
         settings.threshold = threshold;
         const Filtered found = filtered(layer, irradiance, settings);
-        const auto tent = [&](int d) {
-            return std::max(0.0f, 1 - static_cast<float>(d) / static_cast<float>(radius + 1)) /
-                   static_cast<float>(radius + 1);
-        };
+        const float scale = radius == 15 ? 15 : radius == 10 ? 2 : 1;
         for (int dy = 0; dy <= 17; ++dy)
             for (int dx = 0; dx <= 17; ++dx) {
                 const auto i = static_cast<std::size_t>((35 + dy) * 71 + 35 + dx);
                 // Floats of a floor a hundred times the bump: 1e-5 of the bump.
-                EXPECT_NEAR((found.irradiance[i].x - floor) / bump, tent(dx) * tent(dy), 3e-5f)
+                EXPECT_NEAR((found.irradiance[i].x - floor) / bump,
+                            spread(dx, radius, scale) * spread(dy, radius, scale), 3e-5f)
                     << share << " " << threshold << " " << dx << "," << dy;
             }
     };
@@ -217,21 +224,22 @@ TEST(Denoise, FixedRadiusIsTheSettings) {
     const Filtered found = filtered(layer, irradiance, settings);
     for (int dy = -4; dy <= 4; ++dy)
         for (int dx = -4; dx <= 4; ++dx)
-            // 64 / 16 (1 - |dx| / 4) (1 - |dy| / 4), of halves and quarters: exact but for sums of 6 taps.
+            // Floats of 64 and some ten taps.
             EXPECT_NEAR(found.irradiance[static_cast<std::size_t>((15 + dy) * 31 + 15 + dx)].x,
-                        static_cast<float>((4 - std::abs(dx)) * (4 - std::abs(dy))) / 4, 2e-6f);
+                        64 * spread(dx, 3, 1) * spread(dy, 3, 1), 4e-5f);
 }
 
 /// Algorithm 4 along a row by hand: pixels 1 cm apart, a lit one of 10 W/m^2 (radius 5, steps of 1, delta 1),
 /// dark ones (radius 15, steps of 5, delta 15), the camera's depths equal.
 TEST(Denoise, PaperGathersAsPrinted) {
+    const denoise::Reach dark_reach(denoise::kAdaptiveKernels[0]), lit_reach(denoise::kAdaptiveKernels[2]);
     std::array<LinePixel, 61> line;
     for (std::size_t i = 0; i < line.size(); ++i) {
         line[i].guide.surface = 1;
         line[i].guide.position = {0.01f * static_cast<float>(i), -2, 0};
         line[i].depth = 3;
         line[i].irradiance = glm::vec3(i == 30 ? 10.0f : 0.0f);
-        line[i].kernel = denoise::adaptive_kernel(denoise::luminance(line[i].irradiance), 0.114f * kLight);
+        line[i].reach = i == 30 ? &lit_reach : &dark_reach;
     }
     line[15].depth = 3.04f;  // 4 cm: weights between it and others are a fifth
     denoise::LineScratch scratch;

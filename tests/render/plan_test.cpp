@@ -294,6 +294,35 @@ TEST(Plan, SmokeAboveTheWaterWantsReflectedLight) {
     EXPECT_FALSE(render::make_plan(scene_of(half), scattering()).half_volume);
 }
 
+TEST(Plan, TellsHowEIsFilteredAndWhereItIsFound) {
+    scene::FrameState state = pool();
+    const render::Plan plain = render::make_plan(scene_of(state), covering());
+    EXPECT_EQ(plain.buffer_scale, 1);
+    EXPECT_THROW(line(plain, "buffer scale: half"), std::runtime_error);
+    EXPECT_THROW(line(plain, "denoise: adaptive"), std::runtime_error);
+    state.caustics.buffer_scale = scene::BufferScale::quarter;
+    state.caustics.denoise.filter = scene::DenoiseFilter::adaptive;
+    const render::Plan plan = render::make_plan(scene_of(state), covering());
+    EXPECT_EQ(plan.buffer_scale, 4);
+    EXPECT_EQ(line(plan, "buffer scale: quarter").decision, "yes");
+    EXPECT_EQ(line(plan, "denoise: adaptive").reason,
+              "1 pass, radius 5 to 15 pixels, by luminance; within surfaces, the power of the light is kept");
+    state.caustics.denoise.filter = scene::DenoiseFilter::fixed;
+    state.caustics.denoise.passes = 10;
+    state.caustics.denoise.paper_faithful = true;
+    EXPECT_EQ(line(render::make_plan(scene_of(state), covering()), "denoise: fixed").reason,
+              "10 passes, radius 5 pixels; as printed, which changes the power of the light: see the counts");
+    // Segments have the picture's own pixels.
+    const render::Plan scattered = render::make_plan(with_smoke(state), scattering());
+    EXPECT_EQ(scattered.buffer_scale, 1);
+    EXPECT_EQ(line(scattered, "buffer scale: quarter").decision, "no");
+    // Nothing to be lit, nothing to be filtered.
+    state.objects.clear();
+    const render::Plan empty = render::make_plan(scene_of(state), covering());
+    EXPECT_EQ(empty.buffer_scale, 1);
+    EXPECT_THROW(line(empty, "denoise: fixed"), std::runtime_error);
+}
+
 TEST(Plan, SaysThatALampAmongTheWavesLosesLight) {
     scene::FrameState state = pool();
     state.lights[0].type = scene::LightType::point;

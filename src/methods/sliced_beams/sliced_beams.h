@@ -21,6 +21,7 @@ public:
     ~SlicedBeams() override;
     Support supports_surface(const scene::FrameState& state) const override;
     bool serves_behind_specular() const override { return true; }
+    bool serves_any_layer() const override { return true; }
     std::size_t bytes(const scene::FrameState& state, std::size_t pixels) const override;
     std::size_t bytes_on(gpu::DeviceType type, const scene::FrameState& state) const override;
     void begin(FrameContext& context) override;
