@@ -65,6 +65,25 @@ TEST(CascadeSplats, BordersShowByLessThanAThousandthWhateverTheFootprints) {
     EXPECT_LT(farthest_from_flat(scene, 30), 1e-3);
 }
 
+TEST(CascadeSplats, ReachTenKilometres) {
+    scene::FrameScene scene = test::water_scene({10000, 10000});
+    scene.state.lights = {test::sun(40, 33)};
+    scene.state.objects = {test::level(-1.5, 10000)};
+    scene.state.caustics.map.map_resolution = 320;
+    scene.state.caustics.map.cascades = 6;
+    scene.state.caustics.map.cascade_scale = 4;  // 9.8 m about the camera, 3 cm apart
+    scene.origin = {3012, 0, -1733};
+    test::add_water(scene, {}, 100, 100);
+    for (const double view : {40.0, 2000.0}) {
+        test::look_down(scene, 64, view);
+        for (glm::dvec3* point : {&scene.state.camera.position, &scene.state.camera.target})
+            *point += glm::dvec3(3012.3, 0, -1733.4);
+        // As any borders; ramps of 20 steps here. Floats are relative to the origin: at 1 km positions are
+        // good to 6e-5 m, against 8 m between photons.
+        EXPECT_LT(farthest_from_flat(scene, 40), 1e-3) << view;
+    }
+}
+
 TEST(CascadeSplats, WavesThatTheCoarserMapResolvesShowNoBorder) {
     std::vector<test::Sinusoid> sea;
     for (const test::Sinusoid& s : test::gentle_sea(0.0008))
