@@ -12,7 +12,7 @@ layout(location = 4) flat in vec4 irradiance_0;
 layout(location = 5) flat in vec4 irradiance_1;
 layout(location = 6) flat in vec4 irradiance_2;
 layout(location = 7) flat in vec4 irradiance_3;
-layout(location = 8) flat in vec2 disc;
+layout(location = 8) flat in float disc;
 layout(location = 0) out vec4 targets[LAYERS];
 layout(scalar, push_constant) uniform Push { MeshPush push; };
 // Receivers' positions, m, relative to the frame's origin, and 0 for none, 1 in the air, 2 in the water; and their
@@ -46,9 +46,15 @@ vec4 lit(sampler2D positions, sampler2D normals, vec4 filtered) {
     precise float w = dot(push.row_w.xyz, receiver.xyz) + push.row_w.w;
     precise float x = (dot(push.row_x.xyz, receiver.xyz) + push.row_x.w) / w;
     precise float y = (dot(push.row_y.xyz, receiver.xyz) + push.row_y.w) / w;
-    precise vec2 size = sqrt(filtered.zw * filtered.zw + disc);
-    precise vec3 to_x = (push.row_x.xyz - x * push.row_w.xyz) / (w * size.x);
-    precise vec3 to_y = (push.row_y.xyz - y * push.row_w.xyz) / (w * size.y);
+    precise vec3 to_x = (push.row_x.xyz - x * push.row_w.xyz) / w;
+    precise vec3 to_y = (push.row_y.xyz - y * push.row_w.xyz) / w;
+    // By rays that are moved across the beam, and with it along the plane.
+    vec3 facing = vec3(irradiance_0.w, irradiance_1.w, irradiance_2.w);
+    precise vec3 ray_x = to_x - normal * dot(to_x, facing);
+    precise vec3 ray_y = to_y - normal * dot(to_y, facing);
+    precise vec2 size = sqrt(filtered.zw * filtered.zw + disc * vec2(dot(ray_x, ray_x), dot(ray_y, ray_y)));
+    to_x /= size.x;
+    to_y /= size.y;
     precise vec2 shift = vec2(0.5) - filtered.xy / size;
     precise vec2 p_0 = vec2(dot(to_x, way_0), dot(to_y, way_0)) + shift;
     precise vec2 p_1 = vec2(dot(to_x, way_1), dot(to_y, way_1)) + shift;
@@ -62,7 +68,6 @@ vec4 lit(sampler2D positions, sampler2D normals, vec4 filtered) {
     precise vec3 second = barycentric_integrals(p_0, p_2, p_3, edge_moments(p_2, p_3) + edge_moments(p_3, p_0) - diagonal);
     precise vec3 sum = (first.x + second.x) * irradiance_0.xyz + first.y * irradiance_1.xyz +
                        (first.z + second.y) * irradiance_2.xyz + second.z * irradiance_3.xyz;
-    vec3 facing = vec3(irradiance_0.w, irradiance_1.w, irradiance_2.w);
     precise float cosine = max(0.0, dot(receiver_normal, facing));
     return vec4(cosine * sum, 0.0);
 }

@@ -12,7 +12,7 @@ layout(location = 4) flat out vec4 irradiance_0;  // and facing.x
 layout(location = 5) flat out vec4 irradiance_1;  // and facing.y
 layout(location = 6) flat out vec4 irradiance_2;  // and facing.z
 layout(location = 7) flat out vec4 irradiance_3;  // and medium
-layout(location = 8) flat out vec2 disc;
+layout(location = 8) flat out float disc;
 
 void send_cell(MeshCell cell) {
     corner_0 = vec4(cell.corner_0, cell.normal.x);

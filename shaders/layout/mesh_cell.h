@@ -19,7 +19,7 @@ struct MeshCell {
     float tolerance;  // m, receivers farther off the plane are not lit
     vec3 facing;      // dot with a receiver's normal: its cosine towards the light over the plane's
     float in_water;   // 1: lights receivers in the water, 0: in the air
-    vec2 disc;        // pixels^2: by which the square of the filter's width and height grows
+    float disc;       // m^2, square of the width across the beam of a box with the variance of the sun's disc
     vec2 center;      // pixels, middle of the parallelogram center +- edge_a +- edge_b that the cell covers;
     vec2 edge_a;      // pixels; (half width, 0)
     vec2 edge_b;      // pixels; and (0, half height) of a box for a point sprite

@@ -20,12 +20,22 @@ bool may_shadow(const scene::FrameScene& scene, const rays::RayScene& rays, cons
     return highest > std::min(-bound, height) && lowest < std::max(bound, height);
 }
 
+rays::Ray ray_to_light(const scene::FrameScene& scene, const scene::Light& light, glm::vec3 surface_point) {
+    rays::Ray ray;
+    ray.origin = surface_point;
+    if (light.type == scene::LightType::sun) {
+        ray.direction = glm::vec3(-light.direction);
+    } else {
+        ray.direction = glm::vec3(light.position - scene.origin) - surface_point;
+        ray.far = 1;
+    }
+    return ray;
+}
+
 std::size_t shadow_meshes(std::span<BeamMesh> meshes, const scene::FrameScene& scene,
                           const rays::RayScene& rays) {
     const BeamMesh& first = meshes.front();
     const scene::Light& light = scene.state.lights[static_cast<std::size_t>(first.light)];
-    const bool sun = light.type == scene::LightType::sun;
-    const glm::vec3 to_sun(-light.direction), position(light.position - scene.origin);
     const GridBlocks blocks(first.rows, first.columns);
     std::vector<std::size_t> shadowed(blocks.bands(), 0);
     parallel_for(blocks.bands(), 1, [&](std::size_t begin, std::size_t end) {
@@ -39,11 +49,7 @@ std::size_t shadow_meshes(std::span<BeamMesh> meshes, const scene::FrameScene& s
                 if (std::none_of(meshes.begin(), meshes.end(),
                                  [i](const BeamMesh& m) { return m.flux[i] > 0; }))
                     return;
-                rays::Ray ray;
-                ray.origin = first.origin[i] + first.start[i] * first.slope[i];
-                ray.direction = sun ? to_sun : position - ray.origin;
-                if (!sun) ray.far = 1;
-                way.push_back(ray);
+                way.push_back(ray_to_light(scene, light, first.origin[i] + first.start[i] * first.slope[i]));
                 vertex.push_back(i);
             });
             occluded.assign(way.size(), 0);

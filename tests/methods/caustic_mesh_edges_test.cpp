@@ -123,6 +123,38 @@ TEST(CausticMeshEdges, TheEdgeOfASurfaceHasAllItsLight) {
     EXPECT_LT(worst, 1e-4);
 }
 
+TEST(CausticMeshEdges, AWallIsLitUpToTheWater) {
+    // A box that pierces the surface keeps the light off the water within it: cells of 3 cm reach over the
+    // waterline, by which the light would fade over the topmost 5 cm of the wall.
+    scene::FrameScene scene = flat_pool(50, kResolution, 0);
+    scene.state.lights[0] = test::sun(50, 0);  // travels along -x
+    scene.origin = glm::dvec3(0);
+    scene::Object pillar;
+    pillar.shape = scene::Shape::box;
+    pillar.size = {1, 4, 8};
+    pillar.transform.position = {-0.712, 0, 0};  // between rays
+    scene.state.objects.push_back(pillar);
+    const test::Plane wall{{-0.212, 0, 0}, {1, 0, 0}};
+    test::look(scene, {16, 50}, 0.5, {1, -0.26, 0}, {-1, -0.26, 0}, {0, 1, 0});
+    const view::ReceiverLayer layer = test::receivers_on(scene, wall, true);
+    const methods::LayerResult result = test::draw_mesh(scene, layer);
+    const double t = std::asin(std::sin(glm::radians(50.0)) / test::kMeshIndex);
+    const double lit = std::cos(glm::radians(50.0)) * test::transmittance(glm::radians(50.0)) * std::tan(t) *
+                       scene.state.lights[0].irradiance.g;
+    double worst = 0;
+    int seen = 0;
+    for (std::size_t i = 0; i < layer.pixels(); ++i) {
+        const double depth = -static_cast<double>(layer.position[i].y);
+        // Rays between those of the map find the waterline to an eighth of a cell.
+        if (depth < 0.005 + 1.5 * kCell / 8 / std::tan(t)) continue;
+        const double expected = lit * std::exp(-scene.state.water->extinction().g * depth / std::cos(t));
+        worst = std::max(worst, std::abs(static_cast<double>(result.irradiance[i].g) / expected - 1));
+        ++seen;
+    }
+    EXPECT_GT(seen, 45 * 16);
+    EXPECT_LT(worst, 1e-4);
+}
+
 TEST(CausticMeshEdges, FlatWaterReflectsOntoAWall) {
     for (const double zenith : {60.0, 80.0}) {
         SCOPED_TRACE(zenith);

@@ -41,14 +41,15 @@ public:
             there[k] = mesh_.mesh().valid[i] != 0;
             corners[k] = mesh_.ray(i);
             lit = lit || corners[k].flux > 0;
-            near_edge = near_edge || mesh_.near_edge(i);
+            near_edge = near_edge || mesh_.near_edge(i) || (mesh_.shadowed() && !(corners[k].flux > 0));
         }
         if (!lit) return;
         bool whole = true;
         for (std::size_t k = 0; k < 4; ++k)
             whole = whole && there[k] && mesh_.connected(corners[k], corners[(k + 1) % 4]);
         if (!whole) {
-            build_shares(corners, out);
+            for (std::size_t k = 0; k < 4; ++k)
+                if (corners[k].landed()) lay_share_of(corners, k, 1, out);
         } else if (near_edge) {
             build_near_edge(corners, row - 1, column - 1, out);
         } else {
@@ -85,27 +86,28 @@ public:
     }
 
 private:
-    /// At an edge of the water, or where a crest hides what lies between: each ray has a share of its own, of
-    /// a cell that rays parallel to it span.
-    void build_shares(const Corners& corners, Out& out) const {
-        for (std::size_t k = 0; k < 4; ++k) {
-            if (!corners[k].landed()) continue;
-            Corners own;
-            for (std::size_t j = 0; j < 4; ++j)
-                own[j] = mesh_.beside(corners[k],
-                                      static_cast<float>(kPlaces[j][1]) - static_cast<float>(kPlaces[k][1]),
-                                      static_cast<float>(kPlaces[j][0]) - static_cast<float>(kPlaces[k][0]));
-            own[k] = corners[k];
-            own[k].area = 0;
-            lay(own, faces_of(own), 1, out);
-        }
+    /// Where rays do not span a cell, at an edge of the water, where a crest hides what lies between, and on
+    /// faces that not all of them meet: a ray's own share of a cell that rays parallel to it span.
+    void lay_share_of(const Corners& corners, std::size_t k, float share, Out& out) const {
+        Corners own;
+        const float side = std::sqrt(share);
+        for (std::size_t j = 0; j < 4; ++j)
+            own[j] = mesh_.beside(
+                corners[k], side * (static_cast<float>(kPlaces[j][1]) - static_cast<float>(kPlaces[k][1])),
+                side * (static_cast<float>(kPlaces[j][0]) - static_cast<float>(kPlaces[k][0])));
+        own[k] = corners[k];
+        own[k].area = 0;
+        CellImage image;
+        if (images_.on_plane(own, own[k], share, image)) emit(own, image, out);
     }
 
     /// Near edges of objects a cell is laid onto all faces that it lies beside in the picture, so that pixels
     /// at an edge have the light of all their part, and is cut into parts where it lands on several.
     void build_near_edge(const Corners& corners, std::size_t row, std::size_t column, Out& out) const {
         Faces faces = faces_of(corners);
-        const bool even = faces.count() == 1 && all_land(corners);
+        Corners lit = corners;
+        const bool in_shadow = light_up(lit);
+        const bool even = faces.count() == 1 && all_land(corners) && !in_shadow;
         const std::size_t rings = rings_about(corners, faces);
         for (std::size_t r = row - std::min(row, rings); r <= std::min(mesh_.rows() - 1, row + 1 + rings);
              ++r)
@@ -123,8 +125,13 @@ private:
         std::vector<MeshRay> rays(side * side);
         for (std::size_t r = 0; r < side; ++r)
             for (std::size_t c = 0; c < side; ++c)
-                rays[r * side + c] = between(corners, static_cast<float>(c) / static_cast<float>(parts),
+                rays[r * side + c] = between(lit, static_cast<float>(c) / static_cast<float>(parts),
                                              static_cast<float>(r) / static_cast<float>(parts));
+        if (in_shadow) {
+            const std::vector<std::uint8_t> hidden = mesh_.in_shadow(rays);
+            for (std::size_t i = 0; i < rays.size(); ++i)
+                if (hidden[i] != 0) rays[i].flux = 0;
+        }
         mesh_.land(rays);
         for (const MeshRay& ray : rays) faces.add(ray);
         const float share = 1 / static_cast<float>(parts * parts);
@@ -133,6 +140,25 @@ private:
                 lay({rays[r * side + c], rays[r * side + c + 1], rays[(r + 1) * side + c + 1],
                      rays[(r + 1) * side + c]},
                     faces, share, out);
+    }
+
+    /// Gives corners in the shadow of objects the mean flux of the others; false where there are none.
+    bool light_up(Corners& corners) const {
+        float flux = 0;
+        int lit = 0;
+        for (const MeshRay& ray : corners) {
+            flux += ray.flux;
+            lit += ray.flux > 0 ? 1 : 0;
+        }
+        if (!mesh_.shadowed() || lit == 4) return false;
+        const std::vector<std::uint8_t> hidden = mesh_.in_shadow(corners);
+        bool any = false;
+        for (std::size_t k = 0; k < 4; ++k) {
+            if (corners[k].flux > 0 || hidden[k] == 0) continue;
+            corners[k].flux = flux / static_cast<float>(lit);
+            any = true;
+        }
+        return any;
     }
 
     static MeshRay between(const Corners& corners, float x, float y) {
@@ -199,7 +225,12 @@ private:
                                     [&](const MeshRay& ray) { return same_face(ray, on); }))
                 continue;
             CellImage image;
-            if (images_.on_plane(corners, on, share, image)) emit(corners, image, out);
+            if (images_.on_plane(corners, on, share, image)) {
+                emit(corners, image, out);
+                continue;
+            }
+            for (std::size_t k = 0; k < 4; ++k)
+                if (corners[k].landed() && same_face(corners[k], on)) lay_share_of(corners, k, share, out);
         }
     }
 

@@ -27,15 +27,21 @@ float cross_of(glm::vec2 a, glm::vec2 b) {
     return a.x * b.y - a.y * b.x;
 }
 
-/// Pixels that the filter reaches beyond a cell.
-glm::vec2 margin(glm::vec2 disc) {
-    return 0.5f * glm::sqrt(1.0f + disc);
+/// Orthonormal, on the plane.
+void basis(glm::vec3 normal, glm::vec3& right, glm::vec3& up) {
+    right = glm::normalize(std::abs(normal.x) < 0.7f ? glm::cross(normal, glm::vec3(1, 0, 0))
+                                                     : glm::cross(normal, glm::vec3(0, 1, 0)));
+    up = glm::cross(normal, right);
+}
+
+glm::vec3 middle_of(const LandedCell& cell) {
+    return 0.25f * (cell.corner[0] + cell.corner[1] + cell.corner[2] + cell.corner[3]);
 }
 
 bool finite(const layout::MeshCell& cell) {
     const glm::vec3 sum = cell.corner_0 + cell.corner_1 + cell.corner_2 + cell.corner_3 + cell.irradiance_0 +
                           cell.irradiance_1 + cell.irradiance_2 + cell.irradiance_3 + cell.facing;
-    return std::isfinite(sum.x + sum.y + sum.z + cell.tolerance + cell.disc.x + cell.disc.y);
+    return std::isfinite(sum.x + sum.y + sum.z + cell.tolerance + cell.disc);
 }
 
 }  // namespace
@@ -47,7 +53,7 @@ bool CellDrawing::seen(const LandedCell& cell) const {
     const glm::vec3 to_camera = picture_.to_camera(cell.corner[0]);
     PictureCover box, tight;
     return glm::dot(cell.normal, to_camera) >= kLeastViewCosine * glm::length(to_camera) &&
-           picture_.cover(cell.corner, margin(disc_in_picture(cell)), box, tight);
+           cover(cell, box, tight);
 }
 
 float CellDrawing::width(const LandedCell& cell) const {
@@ -60,9 +66,40 @@ float CellDrawing::width(const LandedCell& cell) const {
     return longest;
 }
 
+/// m^2, square of the width of a box with the variance of the disc's image: w^2 / 12 = R^2 / 4.
+float CellDrawing::disc_box(const LandedCell& cell) {
+    return 3 * cell.disc * cell.disc;
+}
+
+/// m on the plane that the disc's part of the filter reaches from its middle.
+float CellDrawing::disc_reach(const LandedCell& cell) {
+    return 0.5f * std::sqrt(disc_box(cell)) / std::max(0.01f, std::abs(glm::dot(cell.beam, cell.normal)));
+}
+
 float CellDrawing::filter(const LandedCell& cell) const {
-    const glm::vec2 reach = margin(disc_in_picture(cell));
-    return std::max(reach.x, reach.y);
+    glm::vec2 pixel;
+    if (!picture_.project(cell.corner[0], pixel)) return 0;
+    glm::vec3 gradient_x, gradient_y;
+    picture_.gradients(cell.corner[0], gradient_x, gradient_y);
+    return 0.5f + disc_reach(cell) * std::max(glm::length(gradient_x), glm::length(gradient_y));
+}
+
+/// The pixels whose filters reach the cell. The disc's part of a filter is that at the pixel's receiver.
+bool CellDrawing::cover(const LandedCell& cell, PictureCover& box, PictureCover& tight) const {
+    const glm::vec2 pixel(0.5f);
+    if (!(cell.disc > 0)) return picture_.cover(cell.corner, pixel, box, tight);
+    // What lies within the disc's reach, on the plane.
+    glm::vec3 right, up;
+    basis(cell.normal, right, up);
+    const glm::vec3 middle = middle_of(cell);
+    glm::vec2 half(0);
+    for (const glm::vec3& corner : cell.corner)
+        half = glm::max(half,
+                        glm::abs(glm::vec2(glm::dot(corner - middle, right), glm::dot(corner - middle, up))));
+    half += disc_reach(cell);
+    const glm::vec3 a = half.x * right, b = half.y * up;
+    return picture_.cover({middle - a - b, middle + a - b, middle + a + b, middle - a + b}, pixel, box,
+                          tight);
 }
 
 /// Makes a cell that is thinner than kThinnest that wide, where and as long as it is.
@@ -84,13 +121,10 @@ bool CellDrawing::widen(LandedCell& cell) const {
     const float half = 0.5f * std::max(length, kThinnest);
 
     // Back onto the plane.
-    const glm::vec3 middle = 0.25f * (cell.corner[0] + cell.corner[1] + cell.corner[2] + cell.corner[3]);
-    glm::vec3 gradient_x, gradient_y;
+    const glm::vec3 middle = middle_of(cell);
+    glm::vec3 gradient_x, gradient_y, right, up;
     picture_.gradients(middle, gradient_x, gradient_y);
-    const glm::vec3 right =
-        glm::normalize(std::abs(cell.normal.x) < 0.7f ? glm::cross(cell.normal, glm::vec3(1, 0, 0))
-                                                      : glm::cross(cell.normal, glm::vec3(0, 1, 0)));
-    const glm::vec3 up = glm::cross(cell.normal, right);
+    basis(cell.normal, right, up);
     const glm::mat2 plane_from_pixel =
         glm::inverse(glm::mat2(glm::vec2(glm::dot(gradient_x, right), glm::dot(gradient_y, right)),
                                glm::vec2(glm::dot(gradient_x, up), glm::dot(gradient_y, up))));
@@ -101,7 +135,7 @@ bool CellDrawing::widen(LandedCell& cell) const {
     const glm::vec3 a = on_plane(half * along), b = on_plane(0.5f * kThinnest * glm::vec2(-along.y, along.x));
     cell.corner = {middle - a - b, middle + a - b, middle + a + b, middle - a + b};
     cell.area.fill(0);
-    cell.flux.fill(0.25f * (cell.flux[0] + cell.flux[1] + cell.flux[2] + cell.flux[3]));
+    cell.flux.fill((2 * (cell.flux[0] + cell.flux[2]) + cell.flux[1] + cell.flux[3]) / 6);
     return true;
 }
 
@@ -119,7 +153,9 @@ Drawn CellDrawing::draw(const LandedCell& landed, layout::MeshCell& drawn, bool&
     const float integral =
         (first * (density[0] + density[1] + density[2]) + second * (density[0] + density[2] + density[3])) /
         3;
-    const float carried = 0.25f * cell.share * (cell.flux[0] + cell.flux[1] + cell.flux[2] + cell.flux[3]);
+    // Each triangle a third of half a cell for each of its corners: over the mesh these shares of a ray sum
+    // to one, and brightness is the linear interpolation of flux where areas are alike.
+    const float carried = cell.share * (2 * (cell.flux[0] + cell.flux[2]) + cell.flux[1] + cell.flux[3]) / 6;
     if (!(integral > 0)) return Drawn::not_seen;
     const float scale = carried / integral;
     drawn.irradiance_0 = scale * density[0] * cell.power[0];
@@ -141,22 +177,6 @@ Drawn CellDrawing::draw_paper(const LandedCell& landed, layout::MeshCell& drawn)
     return finish(cell, drawn);
 }
 
-/// Squares of the width and height, pixels, of a box with the variance of the disc's image.
-glm::vec2 CellDrawing::disc_in_picture(const LandedCell& cell) const {
-    glm::vec2 pixel;
-    if (!(cell.disc > 0) || !picture_.project(cell.corner[0], pixel)) return glm::vec2(0);
-    glm::vec3 gradient_x, gradient_y;
-    picture_.gradients(cell.corner[0], gradient_x, gradient_y);
-    // A ray that is moved across the beam moves along the plane; a disc's variance along a line is R^2 / 4, a
-    // box's w^2 / 12.
-    const auto width_square = [&](glm::vec3 gradient) {
-        const glm::vec3 by_ray =
-            gradient - cell.normal * (glm::dot(gradient, cell.beam) / glm::dot(cell.normal, cell.beam));
-        return 3 * cell.disc * cell.disc * glm::dot(by_ray, by_ray);
-    };
-    return {width_square(gradient_x), width_square(gradient_y)};
-}
-
 Drawn CellDrawing::finish(const LandedCell& cell, layout::MeshCell& drawn) const {
     drawn.corner_0 = cell.corner[0];
     drawn.corner_1 = cell.corner[1];
@@ -169,11 +189,11 @@ Drawn CellDrawing::finish(const LandedCell& cell, layout::MeshCell& drawn) const
                                    glm::length(cell.corner[3] - cell.corner[1])});
     drawn.tolerance = kPlaneTolerance * extent * std::abs(facing);
     drawn.in_water = in_water_ ? 1.0f : 0.0f;
-    drawn.disc = disc_in_picture(cell);
+    drawn.disc = disc_box(cell);
     if (!finite(drawn)) return Drawn::not_seen;
 
     PictureCover box, tight;
-    if (!picture_.cover(cell.corner, margin(drawn.disc), box, tight)) return Drawn::not_seen;
+    if (!cover(cell, box, tight)) return Drawn::not_seen;
     // A point sprite is a square about the box, cheap to set up; a quad fits closely.
     const float side = 2 * std::max(box.edge_a.x, box.edge_b.y);
     const float fitting = 4 * std::abs(cross_of(tight.edge_a, tight.edge_b));

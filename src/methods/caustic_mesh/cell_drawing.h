@@ -35,7 +35,7 @@ public:
     bool seen(const LandedCell& cell) const;
     /// Pixels of its longest side; infinite where it reaches behind the camera.
     float width(const LandedCell& cell) const;
-    /// Pixels that a filter reaches from its middle.
+    /// Pixels that a filter about the cell reaches from its middle, about; 0 behind the camera.
     float filter(const LandedCell& cell) const;
     /// Of a cell that is seen. `widened`: it was thinner than a fiftieth of a pixel, and is drawn as a quad
     /// of that width.
@@ -45,7 +45,9 @@ public:
 
 private:
     bool widen(LandedCell& cell) const;
-    glm::vec2 disc_in_picture(const LandedCell& cell) const;
+    static float disc_box(const LandedCell& cell);
+    static float disc_reach(const LandedCell& cell);
+    bool cover(const LandedCell& cell, PictureCover& box, PictureCover& tight) const;
     Drawn finish(const LandedCell& cell, layout::MeshCell& drawn) const;
 
     PictureMap picture_;

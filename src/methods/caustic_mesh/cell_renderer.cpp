@@ -18,7 +18,7 @@ namespace {
 
 using layout::MeshCell;
 using layout::MeshPush;
-static_assert(sizeof(MeshCell) == 160);
+static_assert(sizeof(MeshCell) == 156);
 static_assert(sizeof(MeshPush) == 120);
 
 constexpr std::size_t kTile = 1 << 14;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "light/light_shadows.h"
 
 namespace dapple::methods::caustic_mesh {
 namespace {
@@ -46,7 +47,8 @@ bool same_face(const MeshRay& a, const MeshRay& b) {
 
 LandedMesh::LandedMesh(const scene::FrameScene& scene, const media::Media& media, const light::BeamMesh& mesh,
                        const light::Landings& landings, const rays::RayScene& rays)
-    : mesh_(mesh),
+    : scene_(scene),
+      mesh_(mesh),
       landings_(landings),
       rays_scene_(rays),
       ways_(scene, media, mesh),
@@ -57,6 +59,7 @@ LandedMesh::LandedMesh(const scene::FrameScene& scene, const media::Media& media
       farthest_(kFarthestNeighbor * std::max(mesh.cell.x, mesh.cell.y)) {
     const scene::Light& light = scene.state.lights[static_cast<std::size_t>(mesh.light)];
     const bool sun = light.type == scene::LightType::sun;
+    shadowed_ = light::may_shadow(scene, rays, light);
     color_ = glm::vec3(sun ? light.irradiance : light.intensity);
     // Refraction into the water narrows the disc by 1/n across the plane of incidence and by more, cos(i) /
     // (n cos(t)), in it; the wider one stands for both.
@@ -131,7 +134,7 @@ glm::vec3 LandedMesh::power(const MeshRay& ray, float depth) const {
     return color_ * ray.tint * ways_.of(ray.surface_point(), ray.origin + depth * ray.slope, way);
 }
 
-void LandedMesh::land(std::vector<MeshRay>& rays) const {
+void LandedMesh::land(std::span<MeshRay> rays) const {
     std::vector<rays::Ray> lines;
     for (const MeshRay& ray : rays) {
         rays::Ray line;
@@ -148,6 +151,15 @@ void LandedMesh::land(std::vector<MeshRay>& rays) const {
         rays[i].depth = rays[i].start + hits[i].distance;
         rays[i].normal = glm::dot(normal, rays[i].slope) < 0 ? normal : -normal;
     }
+}
+
+std::vector<std::uint8_t> LandedMesh::in_shadow(std::span<const MeshRay> rays) const {
+    const scene::Light& light = scene_.state.lights[static_cast<std::size_t>(mesh_.light)];
+    std::vector<rays::Ray> ways;
+    for (const MeshRay& ray : rays) ways.push_back(light::ray_to_light(scene_, light, ray.surface_point()));
+    std::vector<std::uint8_t> occluded(ways.size(), 0);
+    rays_scene_.occluded_by_objects(ways, occluded);
+    return occluded;
 }
 
 bool LandedMesh::step_to(const MeshRay& ray, std::size_t j, glm::vec3& step) const {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "light/beam_mesh.h"
@@ -58,8 +59,12 @@ public:
     MeshRay beside(const MeshRay& ray, float columns, float rows) const;
     /// What a unit of a ray's flux is where the ray is at `depth`, W, a channel.
     glm::vec3 power(const MeshRay& ray, float depth) const;
-    /// Traces rays of its own.
-    void land(std::vector<MeshRay>& rays) const;
+    /// Traces rays of its own to where they land.
+    void land(std::span<MeshRay> rays) const;
+    /// Whether objects may stand between the light and the water.
+    bool shadowed() const { return shadowed_; }
+    /// 1 for those of the rays whose points on the water an object hides from the light.
+    std::vector<std::uint8_t> in_shadow(std::span<const MeshRay> rays) const;
     /// Radius of the image of the sun's disc across a beam, a m of way from the water.
     float disc() const { return disc_; }
 
@@ -70,6 +75,7 @@ private:
     float area_about(std::size_t i) const;
     void find_edges();
 
+    const scene::FrameScene& scene_;
     const light::BeamMesh& mesh_;
     const light::Landings& landings_;
     const rays::RayScene& rays_scene_;
@@ -79,6 +85,7 @@ private:
     std::vector<std::uint8_t> near_edge_;
     glm::vec3 color_;
     float farthest_;  // m
+    bool shadowed_;
     float disc_ = 0;
 };
 
