@@ -24,8 +24,6 @@ struct Splat {
 
 struct SplatPush {
     vec2 picture;      // pixels, width and height
-    uint boxes;        // 1: kernels are boxes, 0: tents
-    uint depth_test;   // 1: receivers behind the splat as the camera sees it are lit, else those on its plane
     vec3 camera;       // m, where the camera stands (perspective), or the unit direction towards it
     uint perspective;  // 1 or 0
 };

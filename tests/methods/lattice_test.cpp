@@ -59,6 +59,33 @@ TEST(Lattice, SharesPassSmoothlyFromOneBasisToTheOther) {
     EXPECT_NEAR(last, 0, 1e-6);
 }
 
+TEST(Lattice, KernelsOfAnyScaleHaveTheVariancesOfShapePixelAndDiscTogether) {
+    KernelMetric metric;
+    metric.pixel_from_plane = glm::mat2(100);  // a pixel is a centimetre
+    const LatticeBasis basis{{0.05f, 0}, {0, 0.03f}, 1};
+    for (const KernelShape shape : {KernelShape::tent, KernelShape::box})
+        for (const float scale : {0.3f, 1.0f, 1.7f, 2.0f})
+            for (const float disc : {0.0f, 0.04f}) {
+                metric.disc_radius = disc;
+                const PlaneKernel kernel = widened_kernel(basis, metric, {shape, scale});
+                const auto variance = [&](float extent, float box) {
+                    const float core = extent * (1 - box), half = extent * box;
+                    return core * core / (shape == KernelShape::tent ? 6 : 3) + half * half / 3;
+                };
+                const auto expected = [&](float spacing) {
+                    const float side = scale * spacing;
+                    // Tents that sum to one by themselves are not widened by pixels beyond two of them.
+                    const bool pixel = shape == KernelShape::box || scale != std::round(scale);
+                    return side * side / (shape == KernelShape::tent ? 6 : 12) + disc * disc / 4 +
+                           (pixel ? 1e-4f / 12 : 0);
+                };
+                EXPECT_NEAR(variance(kernel.first.x, kernel.box_first), expected(0.05f),
+                            1e-5f * expected(0.05f));
+                EXPECT_NEAR(variance(kernel.second.y, kernel.box_second), expected(0.03f),
+                            1e-5f * expected(0.03f));
+            }
+}
+
 TEST(Lattice, CollapsedLatticesGiveFiniteKernelsOfAPixel) {
     KernelMetric metric;
     metric.pixel_from_plane = glm::mat2(100);  // a pixel is a centimetre

@@ -8,10 +8,14 @@
 #include "gpu/pass_list.h"
 #include "layout/splat.h"
 #include "methods/photon_splatting/receiver_code.h"
-#include "spirv/photon_splatting_splat_1_frag.h"
-#include "spirv/photon_splatting_splat_4_frag.h"
+#include "spirv/photon_splatting_box_1_frag.h"
+#include "spirv/photon_splatting_box_4_frag.h"
+#include "spirv/photon_splatting_paper_1_frag.h"
+#include "spirv/photon_splatting_paper_4_frag.h"
 #include "spirv/photon_splatting_splat_point_vert.h"
 #include "spirv/photon_splatting_splat_quad_vert.h"
+#include "spirv/photon_splatting_tent_1_frag.h"
+#include "spirv/photon_splatting_tent_4_frag.h"
 
 namespace dapple::methods {
 namespace {
@@ -19,7 +23,7 @@ namespace {
 using layout::Splat;
 using layout::SplatPush;
 static_assert(sizeof(Splat) == 100);
-static_assert(sizeof(SplatPush) == 32);
+static_assert(sizeof(SplatPush) == 24);
 
 constexpr std::size_t kTile = 1 << 14;
 constexpr std::uint32_t kVerticesPerQuad = 6;
@@ -60,18 +64,31 @@ void read_result(const view::ReceiverLayer& layer, std::span<const glm::vec4> te
     });
 }
 
-SplatPush splat_push(const scene::FrameScene& scene, const SplatStyle& style) {
+SplatPush splat_push(const scene::FrameScene& scene) {
     const scene::Camera& camera = scene.state.camera;
     const bool perspective = camera.projection == scene::Projection::perspective;
     SplatPush push;
     push.picture = glm::vec2(scene.state.clip.width, scene.state.clip.height);
-    push.boxes = style.kernel.shape == KernelShape::box ? 1 : 0;
-    push.depth_test = style.paper_receivers ? 1 : 0;
     push.camera = glm::vec3(perspective ? camera.position - scene.origin
                                         : glm::normalize(camera.position - camera.target));
     push.perspective = perspective ? 1 : 0;
     return push;
 }
+
+/// What draws one or four layers at once.
+struct Pipelines {
+    using Spirv = std::span<const std::uint32_t>;
+    Pipelines(gpu::Device& device, Spirv one, Spirv four)
+        : points_1(device, "splats", photon_splatting_splat_point_vert, one,
+                   additive(gpu::Topology::points, 1)),
+          points_4(device, "splats of four layers", photon_splatting_splat_point_vert, four,
+                   additive(gpu::Topology::points, 4)),
+          quads_1(device, "large splats", photon_splatting_splat_quad_vert, one,
+                  additive(gpu::Topology::triangles, 1)),
+          quads_4(device, "large splats of four layers", photon_splatting_splat_quad_vert, four,
+                  additive(gpu::Topology::triangles, 4)) {}
+    gpu::RasterPipeline points_1, points_4, quads_1, quads_4;
+};
 
 /// What one layer needs on the device while it is drawn.
 struct LayerImages {
@@ -88,16 +105,7 @@ struct LayerImages {
 }  // namespace
 
 struct SplatRenderer::State {
-    explicit State(gpu::Device& d)
-        : device(d),
-          points_1(d, "splats", photon_splatting_splat_point_vert, photon_splatting_splat_1_frag,
-                   additive(gpu::Topology::points, 1)),
-          points_4(d, "splats of four layers", photon_splatting_splat_point_vert,
-                   photon_splatting_splat_4_frag, additive(gpu::Topology::points, 4)),
-          quads_1(d, "large splats", photon_splatting_splat_quad_vert, photon_splatting_splat_1_frag,
-                  additive(gpu::Topology::triangles, 1)),
-          quads_4(d, "large splats of four layers", photon_splatting_splat_quad_vert,
-                  photon_splatting_splat_4_frag, additive(gpu::Topology::triangles, 4)) {}
+    explicit State(gpu::Device& d) : device(d) {}
 
     /// Packs the bands one after another into buffers that fit a storage binding.
     void pack(const std::vector<std::vector<Splat>>& bands, std::vector<gpu::Buffer>& buffers) {
@@ -124,8 +132,24 @@ struct SplatRenderer::State {
         }
     }
 
-    void draw(gpu::PassList& passes, const SplatPush& push, std::vector<LayerImages>& images) {
+    /// Made when first asked for: a run has one style.
+    const Pipelines& pipelines(const SplatStyle& style) {
+        if (style.paper_receivers) {
+            if (!paper) paper.emplace(device, photon_splatting_paper_1_frag, photon_splatting_paper_4_frag);
+            return *paper;
+        }
+        if (style.kernel.shape == KernelShape::box) {
+            if (!boxes) boxes.emplace(device, photon_splatting_box_1_frag, photon_splatting_box_4_frag);
+            return *boxes;
+        }
+        if (!tents) tents.emplace(device, photon_splatting_tent_1_frag, photon_splatting_tent_4_frag);
+        return *tents;
+    }
+
+    void draw(gpu::PassList& passes, const SplatStyle& style, const SplatPush& push,
+              std::vector<LayerImages>& images) {
         const bool four = images.size() == 4;
+        const Pipelines& with = pipelines(style);
         gpu::Targets targets;
         std::vector<const gpu::Image*> receivers;
         for (LayerImages& layer : images) {
@@ -143,14 +167,14 @@ struct SplatRenderer::State {
         const auto count = [](const gpu::Buffer& buffer) {
             return static_cast<std::uint32_t>(buffer.bytes() / sizeof(Splat));
         };
-        for (gpu::Buffer& buffer : points) add(four ? points_4 : points_1, buffer, count(buffer));
+        for (gpu::Buffer& buffer : points) add(four ? with.points_4 : with.points_1, buffer, count(buffer));
         for (gpu::Buffer& buffer : quads)
-            add(four ? quads_4 : quads_1, buffer, kVerticesPerQuad * count(buffer));
+            add(four ? with.quads_4 : with.quads_1, buffer, kVerticesPerQuad * count(buffer));
         for (LayerImages& layer : images) passes.copy("splatting", layer.irradiance, layer.staging);
     }
 
     gpu::Device& device;
-    gpu::RasterPipeline points_1, points_4, quads_1, quads_4;
+    std::optional<Pipelines> tents, boxes, paper;
     std::vector<gpu::Buffer> points, quads;
 };
 
@@ -187,7 +211,7 @@ std::size_t SplatRenderer::quads() const {
 void SplatRenderer::render(const scene::FrameScene& scene, const SplatStyle& style,
                            std::span<const view::ReceiverLayer> layers, std::span<LayerResult> results,
                            FrameStats& stats) {
-    const SplatPush push = splat_push(scene, style);
+    const SplatPush push = splat_push(scene);
     const bool nothing = state_->points.empty() && state_->quads.empty();
     for (std::size_t next = 0; next < layers.size();) {
         const std::size_t batch = layers.size() - next >= 4 && !nothing ? 4 : 1;
@@ -208,7 +232,7 @@ void SplatRenderer::render(const scene::FrameScene& scene, const SplatStyle& sty
             }
         }
         gpu::PassList passes(state_->device);
-        state_->draw(passes, push, images);
+        state_->draw(passes, style, push, images);
         passes.run(stats);
         const ScopedPass pass(stats, "splatting");
         for (std::size_t i = 0; i < batch; ++i)
