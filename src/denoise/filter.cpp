@@ -10,8 +10,8 @@
 namespace dapple::denoise {
 namespace {
 
-constexpr std::size_t kLines = 16;           ///< in a tile: neighbouring columns share cache lines
-constexpr std::size_t kPowerTile = 1 << 14;  ///< pixels
+constexpr std::size_t kLines = 16;      ///< in a tile: neighbouring columns share cache lines
+constexpr std::size_t kTile = 1 << 14;  ///< pixels
 
 bool finite(const glm::vec3& v) {
     return std::isfinite(v.x + v.y + v.z);
@@ -37,21 +37,23 @@ public:
     void pass() {
         const auto width = static_cast<std::size_t>(layer_.width),
                    height = static_cast<std::size_t>(layer_.height);
+        choose_kernels();
         filter_lines(height, width, width, 1);
+        if (settings_.paper_faithful) choose_kernels();
         filter_lines(width, height, 1, width);
     }
 
     double power() const {
-        const std::size_t tiles = (layer_.pixels() + kPowerTile - 1) / kPowerTile;
+        const std::size_t tiles = (layer_.pixels() + kTile - 1) / kTile;
         std::vector<double> parts(tiles, 0);
-        parallel_for(layer_.pixels(), kPowerTile, [&](std::size_t begin, std::size_t end) {
+        parallel_for(layer_.pixels(), kTile, [&](std::size_t begin, std::size_t end) {
             double sum = 0;
             for (std::size_t pixel = begin; pixel < end; ++pixel) {
                 if (!takes_part(pixel)) continue;
                 const glm::dvec3 e(irradiance_[pixel]);
                 sum += (e.x + e.y + e.z) / 3 * static_cast<double>(area(pixel));
             }
-            parts[begin / kPowerTile] = sum;
+            parts[begin / kTile] = sum;
         });
         double sum = 0;
         for (const double part : parts) sum += part;
@@ -67,9 +69,15 @@ private:
         return glm::length(glm::cross(layer_.footprint_u[pixel], layer_.footprint_v[pixel]));
     }
 
-    const Reach& reach(const glm::vec3& irradiance) const {
-        if (settings_.filter == scene::DenoiseFilter::fixed) return reaches_.front();
-        return reaches_[adaptive_level(luminance(irradiance), scene_luminance_)];
+    void choose_kernels() {
+        kernels_.assign(layer_.pixels(), 0);
+        if (settings_.filter == scene::DenoiseFilter::fixed) return;
+        parallel_for(kernels_.size(), kTile, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t pixel = begin; pixel < end; ++pixel) {
+                kernels_[pixel] = static_cast<std::uint8_t>(
+                    adaptive_level(luminance(irradiance_[pixel]), scene_luminance_));
+            }
+        });
     }
 
     /// Line i begins at pixel i * `line_step`, its pixels are `step` apart.
@@ -97,7 +105,7 @@ private:
         found.guide = guide_of(layer_, index);
         found.area = area(index);
         found.depth = layer_.depth[index];
-        found.reach = &reach(found.irradiance);
+        found.reach = &reaches_[kernels_[index]];
         return found;
     }
 
@@ -106,6 +114,7 @@ private:
     const scene::Denoise& settings_;
     float scene_luminance_;
     std::vector<Reach> reaches_;
+    std::vector<std::uint8_t> kernels_;  ///< of reaches_, a pixel's
     std::size_t largest_radius_ = 0;
     std::span<glm::vec3> irradiance_;
 };

@@ -16,9 +16,11 @@ struct FilteredPower {
 
 /// Filters E of a layer in place (W/m^2, an entry a pixel) among receivers that are covered; others stay as
 /// they are. Each pass is one along the rows, then one along the columns (Kougianos and Moustakas 2021,
-/// section 3.3), with radii found anew for each. `weakest_light`: luminance of the weakest light, W/m^2.
-/// By default exchange() of line_filter.h, which keeps the power; with `paper_faithful` its gather(). The
-/// same bits on any number of threads.
+/// section 3.3). `weakest_light`: luminance of the weakest light, W/m^2. The same bits on any number of
+/// threads.
+///
+/// By default exchange() of line_filter.h, which keeps the power, with radii found once a pass: found anew
+/// for the columns, as the paper does, they leave streaks along the rows. With `paper_faithful` gather().
 FilteredPower filter_irradiance(const view::ReceiverLayer& layer, std::span<const std::uint8_t> covered,
                                 const scene::Denoise& settings, float weakest_light,
                                 std::span<glm::vec3> irradiance);

@@ -32,9 +32,18 @@ void visit_square(const view::ReceiverLayer& coarse, glm::ivec2 low, glm::ivec2 
     }
 }
 
-/// Whether a coarse receiver fits.
-bool find_mean(const view::ReceiverLayer& fine, const view::ReceiverLayer& coarse, const Irradiance& from,
-               const CoarseGrid& grid, std::size_t pixel, Irradiance& to) {
+std::vector<Guide> guides_of(const view::ReceiverLayer& layer) {
+    std::vector<Guide> guides(layer.pixels());
+    parallel_for(guides.size(), kTile, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t pixel = begin; pixel < end; ++pixel) guides[pixel] = guide_of(layer, pixel);
+    });
+    return guides;
+}
+
+/// Whether a coarse receiver fits. `guides` are those of `coarse`.
+bool find_mean(const view::ReceiverLayer& fine, const view::ReceiverLayer& coarse,
+               const std::vector<Guide>& guides, const Irradiance& from, const CoarseGrid& grid,
+               std::size_t pixel, Irradiance& to) {
     const glm::dvec2 place = coarse_place(fine, pixel, grid);
     const glm::ivec2 low(glm::floor(place));
     const Guide own = guide_of(fine, pixel);
@@ -47,7 +56,7 @@ bool find_mean(const view::ReceiverLayer& fine, const view::ReceiverLayer& coars
         if (!(tent > 0)) return;
         const double pixels = std::max(1.0, grid.scale * std::max(apart.x, apart.y));
         const float weight =
-            static_cast<float>(tent) * edge_stop(own, guide_of(coarse, other), static_cast<float>(pixels));
+            static_cast<float>(tent) * edge_stop(own, guides[other], static_cast<float>(pixels));
         if (!(weight > 0)) return;
         fits = true;
         if (!from.covered[other]) return;
@@ -67,11 +76,12 @@ std::vector<std::size_t> upsample(const view::ReceiverLayer& fine, const view::R
                                   const Irradiance& from, const CoarseGrid& grid, Irradiance& to) {
     to.values.assign(fine.pixels(), glm::vec3(0));
     to.covered.assign(fine.pixels(), 0);
+    const std::vector<Guide> guides = guides_of(coarse);
     std::vector<std::uint8_t> missing(fine.pixels(), 0);
     parallel_for(fine.pixels(), kTile, [&](std::size_t begin, std::size_t end) {
         for (std::size_t pixel = begin; pixel < end; ++pixel) {
             if (fine.flags[pixel] & view::kReceiver)
-                missing[pixel] = find_mean(fine, coarse, from, grid, pixel, to) ? 0 : 1;
+                missing[pixel] = find_mean(fine, coarse, guides, from, grid, pixel, to) ? 0 : 1;
         }
     });
     std::vector<std::size_t> pixels;

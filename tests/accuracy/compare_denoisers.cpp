@@ -1,13 +1,16 @@
-// What the filters over E buy: a frame of the pool by photon_splatting with few photons, by each filter,
-// against sliced_beams, which finds E without noise:
+// What the filters over E buy, and what smaller buffers of it cost: a frame of the pool by photon_splatting
+// with few photons against sliced_beams, which finds E without noise:
 //   compare_denoisers [TIMELINE [FRAME [PATH=VALUE]...]]
-// By default frame 24 of sequences/pool.yaml at 480 x 270, one camera path a pixel, 256 photons a side.
-// Overrides hold for both methods but for those that begin with "caustics.", which hold for the splats. Over
-// the pixels that both cover, mean of the channels, %:
+// By default frame 24 of sequences/pool.yaml at 480 x 270, one camera path a pixel, 256 photons a side, first
+// points a pixel wide, then tents over their neighbours. Overrides hold for both methods but for those that
+// begin with "caustics.", which hold for the splats. Over the pixels that both cover, mean of the channels,
+// %:
 //   L1      sum of |difference| of E over the sum of sliced_beams';
 //   bright  the same of pixels where that has more than twice its mean, dark: less than half;
 //   detail  the contrast of neighbouring pixels that is left: sum of |E(x + 1) - E(x)| over sliced_beams';
+//   mean    of E over that of sliced_beams, less 1;
 //   power   told by the filter, after less before.
+// CPU-ms are those of the filter, and of all passes that E takes: light, splats, buffer, filter.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -42,34 +45,47 @@ struct Rendered {
             if (time.name == pass) sum += 1e3 * time.cpu_s;
         return sum;
     }
+    double milliseconds() const {
+        double sum = 0;
+        for (const PassTime& time : stats.passes()) sum += 1e3 * time.cpu_s;
+        return sum;
+    }
 };
 
 struct Setting {
     const char* name;
-    const char* denoise;
+    const char* caustics;
 };
 
 constexpr Setting kSettings[] = {
-    {"no filter", "{filter: none}"},
-    {"fixed, 1 pass", "{filter: fixed}"},
-    {"fixed, 10 passes", "{filter: fixed, passes: 10}"},
-    {"adaptive, 1 pass", "{filter: adaptive}"},
-    {"adaptive 0.144, 1 pass", "{filter: adaptive, threshold: 0.144}"},
-    {"adaptive, 4 passes", "{filter: adaptive, passes: 4}"},
-    {"paper: fixed, 1 pass", "{filter: fixed, paper_faithful: true}"},
-    {"paper: fixed, 10 passes", "{filter: fixed, passes: 10, paper_faithful: true}"},
-    {"paper: adaptive, 1 pass", "{filter: adaptive, paper_faithful: true}"},
-    {"paper: adaptive, 4 passes", "{filter: adaptive, passes: 4, paper_faithful: true}"},
+    {"as found", ""},
+    {"half scale", "buffer_scale: half"},
+    {"quarter scale", "buffer_scale: quarter"},
+    {"fixed, 1 pass", "denoise: {filter: fixed}"},
+    {"fixed, 10 passes", "denoise: {filter: fixed, passes: 10}"},
+    {"adaptive, 1 pass", "denoise: {filter: adaptive}"},
+    {"adaptive 0.144, 1 pass", "denoise: {filter: adaptive, threshold: 0.144}"},
+    {"adaptive, 4 passes", "denoise: {filter: adaptive, passes: 4}"},
+    {"adaptive, half scale", "buffer_scale: half, denoise: {filter: adaptive}"},
+    {"paper: fixed, 1 pass", "denoise: {filter: fixed, paper_faithful: true}"},
+    {"paper: fixed, 10 passes", "denoise: {filter: fixed, passes: 10, paper_faithful: true}"},
+    {"paper: adaptive, 1 pass", "denoise: {filter: adaptive, paper_faithful: true}"},
+    {"paper: adaptive, 4 passes", "denoise: {filter: adaptive, passes: 4, paper_faithful: true}"},
 };
+
+/// Passes that E does not take. Camera paths count: smaller buffers have their own.
+constexpr const char* kOtherPasses[] = {"scene", "ray scene", "shading", "film"};
 
 /// Sums over pixels of a kind.
 struct Difference {
-    double l1 = 0, sum = 0;
+    double l1 = 0, sum = 0, found_sum = 0;
     void add(float found, float expected) {
+        found_sum += static_cast<double>(found);
         l1 += static_cast<double>(std::abs(found - expected));
         sum += static_cast<double>(expected);
     }
     double percent() const { return 100 * l1 / sum; }
+    double mean() const { return found_sum / sum; }
 };
 
 void print(const char* name, const Rendered& found, const Rendered& expected) {
@@ -97,9 +113,11 @@ void print(const char* name, const Rendered& found, const Rendered& expected) {
     }
     const double before = found.stats.counted("power before denoising, W");
     const double change = before > 0 ? found.stats.counted("power after denoising, W") / before - 1 : 0;
-    std::printf("%-26s | %7.2f %7.2f %7.2f %7.1f %+9.4f | %8.1f\n", name, all.percent(), bright.percent(),
-                dark.percent(), 100 * contrast / expected_contrast, 100 * change,
-                found.milliseconds("denoise"));
+    double other = 0;
+    for (const char* pass : kOtherPasses) other += found.milliseconds(pass);
+    std::printf("%-26s | %7.2f %7.2f %7.2f %7.1f %+8.3f %+9.4f | %7.1f %7.1f\n", name, all.percent(),
+                bright.percent(), dark.percent(), 100 * contrast / expected_contrast, 100 * (all.mean() - 1),
+                100 * change, found.milliseconds("denoise"), found.milliseconds() - other);
     std::fflush(stdout);
 }
 
@@ -117,14 +135,16 @@ void compare(const std::string& timeline, int frame, const std::vector<std::stri
     const Rendered expected = rendered({"clip.samples=1", "clip.resolution=[480, 270]",
                                         "caustics={method: sliced_beams, path_counts: false}"},
                                        false);
-    std::printf("%-26s | %7s %7s %7s %7s %9s | %8s\n", "", "L1", "bright", "dark", "detail", "power",
-                "CPU-ms");
-    for (const Setting& setting : kSettings) {
-        const std::string caustics =
-            std::string("caustics={method: photon_splatting, map_resolution: 256, denoise: ") +
-            setting.denoise + "}";
-        print(setting.name, rendered({"clip.samples=1", "clip.resolution=[480, 270]", caustics}, true),
-              expected);
+    for (const char* footprint : {"point", "tent"}) {
+        std::printf("%-26s | %7s %7s %7s %7s %8s %9s | %7s %7s\n", footprint, "L1", "bright", "dark",
+                    "detail", "mean", "power", "filter", "E");
+        for (const Setting& setting : kSettings) {
+            const std::string caustics =
+                std::string("caustics={method: photon_splatting, map_resolution: 256, footprint: ") +
+                footprint + (*setting.caustics ? ", " : "") + setting.caustics + "}";
+            print(setting.name, rendered({"clip.samples=1", "clip.resolution=[480, 270]", caustics}, true),
+                  expected);
+        }
     }
 }
 
