@@ -28,6 +28,7 @@ layout(location = 1) out vec4 irradiance;  // W/m^2
 #include "adaptive_beams/phase.glsl"
 
 const float kTiny = 1.17549435e-38;
+const float kRounding = 1.19209290e-7;
 
 // Products are rounded by themselves: only so does swapping the corners change nothing but the sign.
 float cross_2(vec2 p, vec2 q) {
@@ -50,24 +51,40 @@ bool one_sign(vec3 w) { return all(greaterThan(w, vec3(0.0))) || all(lessThan(w,
 
 float at(vec3 q, float t) { return q.x + t * (q.y + t * q.z); }
 
-// m^2: of the corners' rings at three depths.
+// m^2: |A| at three depths.
+vec3 area_at(vec4 area, vec3 depth) {
+    vec3 u = depth - area.w;
+    return abs(area.x + u * (area.y + u * area.z));
+}
+
+// m^2: that rounding of its corners' places gives a ring.
+vec3 least_areas(float depth) {
+    vec4 way = abs(vec4(1.0, 1.0, depth, depth));
+    vec3 size = vec3(dot(abs(ray_0), way), dot(abs(ray_1), way), dot(abs(ray_2), way));
+    vec3 rounding = kRounding * max(size, vec3(1e-3));
+    return rounding * rounding;
+}
+
+// m^2: of the corners' rings at three depths; never 0.
 void ring_areas(vec3 depth, out vec3 a0, out vec3 a1, out vec3 a2) {
-    vec3 u = depth - area_middle_0.w;
-    a0 = abs(vec3(at(area_middle_0.xyz, u.x), at(area_bias_1.xyz, u.x), at(area_cell_2.xyz, u.x)));
-    a1 = abs(vec3(at(area_middle_0.xyz, u.y), at(area_bias_1.xyz, u.y), at(area_cell_2.xyz, u.y)));
-    a2 = abs(vec3(at(area_middle_0.xyz, u.z), at(area_bias_1.xyz, u.z), at(area_cell_2.xyz, u.z)));
+    vec3 first = area_at(area_0, depth), second = area_at(area_1, depth), third = area_at(area_2, depth);
 #ifdef LISTED
     for (uint i = uint(listed_ends_on.x); i < uint(listed_ends_on.y); ++i) {
         TurningArea one = turning[i];
         vec3 of_corner = vec3(one.corners & 1u, one.corners >> 1 & 1u, one.corners >> 2 & 1u);
-        a0 += abs(at(one.area, u.x)) * of_corner;
-        a1 += abs(at(one.area, u.y)) * of_corner;
-        a2 += abs(at(one.area, u.z)) * of_corner;
+        vec3 area = area_at(one.area, depth);
+        first += area * of_corner.x;
+        second += area * of_corner.y;
+        third += area * of_corner.z;
     }
 #endif
+    vec3 least = least_areas(depth.y);
+    a0 = max(vec3(first.x, second.x, third.x), least);
+    a1 = max(vec3(first.y, second.y, third.y), least);
+    a2 = max(vec3(first.z, second.z, third.z), least);
 }
 
-vec3 ends() { return end_steepness.xyz; }
+vec3 ends() { return end_bias.xyz; }
 
 vec3 starts() { return vec3(flux_start_0.w, flux_start_1.w, flux_start_2.w); }
 
@@ -76,10 +93,9 @@ vec3 barycentric(vec3 w) {
     return sum == 0.0 ? vec3(1.0 / 3.0) : w / sum;
 }
 
-// W/m^2 through the plane of constant depth. At a point, where a whole ring has no area, there is no density.
+// W/m^2 through the plane of constant depth.
 vec3 density(vec3 share, vec3 area) {
-    vec3 part = vec3(area.x > 0.0 ? share.x / area.x : 0.0, area.y > 0.0 ? share.y / area.y : 0.0,
-                     area.z > 0.0 ? share.z / area.z : 0.0);
+    vec3 part = share / area;
     return part.x * flux_start_0.xyz + part.y * flux_start_1.xyz + part.z * flux_start_2.xyz;
 }
 
@@ -100,9 +116,9 @@ vec3 lit(vec3 point, vec3 normal, vec4 face) {
     // Of the object that its rays end on the beam lights all faces, wherever they lie between the rays; others only
     // where they are before the end.
     float last = face.w == float(listed_ends_on.z)
-                     ? max(max(end.x, end.y), end.z) + area_bias_1.w
+                     ? max(max(end.x, end.y), end.z) + end_bias.w
                      : dot(share, end);
-    if (!one_sign(w) || below < -area_bias_1.w || point.z > last || facing <= 0.0 || dot(way, face.xyz) >= 0.0) return vec3(0.0);
+    if (!one_sign(w) || below < -start_bias || point.z > last || facing <= 0.0 || dot(way, face.xyz) >= 0.0) return vec3(0.0);
     vec3 area, same, again;
     ring_areas(vec3(point.z), area, same, again);
 #ifdef BOUNDED
@@ -121,7 +137,8 @@ struct Along {
     vec3 direction;
     float base;  // m from the camera's end of the segment
     vec3 point;  // there
-    uint entry;  // of the pixel's columns
+    vec2 spread;  // m^2, 1: the squares of the corners' distances from the ray are spread.x + spread.y t^2 in sum
+    uint entry;   // of the pixel's columns
 };
 
 vec3 sides(Along ray, float t) { return vec3(at(ray.w0, t), at(ray.w1, t), at(ray.w2, t)); }
@@ -151,7 +168,7 @@ float within(Along ray, float t, float cap) {
     vec3 w = sides(ray, t);
     float depth = ray.depth + t * ray.deeper;
     vec3 room = cap > 0.0 ? ends() - depth : depth - starts();
-    return dot(abs(w), room + (cap > 0.0 ? kEndBias : area_bias_1.w));
+    return dot(abs(w), room + (cap > 0.0 ? kEndBias : start_bias));
 }
 
 // Cuts a piece at a cap, by false position (the Illinois rule).
@@ -192,8 +209,7 @@ vec3 scattered_at(Along ray, float t, float depth, vec3 area) {
 const float kNode = 0.774596669;
 const float kOuter = 5.0 / 9.0;
 const float kInner = 8.0 / 9.0;
-// Panels of one piece for the change of densities, for bounded media, and in all.
-const float kMostForDensity = 8.0;
+// Panels of one piece for bounded media, and in all.
 const float kMostForMedia = 24.0;
 #ifdef BOUNDED
 const int kMostPanels = 64;
@@ -220,11 +236,11 @@ vec3 light_depth_at(Along ray, float t) {
     return light_depth(beam_index, share, point, light, below, below * length(light));
 }
 
-// What reaches a place along the beam, W/m^2, times its way a m of depth; and the cosine to the camera's way.
-vec3 arriving(Along ray, float t, out float cosine) {
-    vec3 share = barycentric(sides(ray, t)), light = along_light(share), area, same, again;
+// What reaches a place along the beam through rings of these areas, W/m^2, times its way a m of depth; and the cosine to
+// the camera's way.
+vec3 arriving(Along ray, float t, vec3 area, out float cosine) {
+    vec3 share = barycentric(sides(ray, t)), light = along_light(share);
     float stretch = length(light);
-    ring_areas(vec3(ray.depth + ray.deeper * t), area, same, again);
     cosine = -dot(light, ray.direction) / stretch;
     return stretch * density(share, area);
 }
@@ -249,6 +265,23 @@ float within_media(Along ray, float place, float sense, float width, float wide)
 }
 #endif
 
+// Of areas among the nodes of a panel, by a factor; of more the panel is halved.
+#ifdef BOUNDED
+const float kMostChange = 2.0;
+#else
+const float kMostChange = 4.0;
+#endif
+
+bool changes(vec3 a, vec3 b, vec3 c) {
+    return any(greaterThan(max(max(a, b), c), kMostChange * min(min(a, b), c)));
+}
+
+// Of panels, by a factor: areas go with the square of the distance from a focus.
+float growth(vec3 before, vec3 after) {
+    vec3 change = after / before;
+    return sqrt(clamp(min(min(change.x, change.y), change.z), 0.25, 4.0));
+}
+
 vec3 integral(Along ray, float from, float to) {
     // From the end by which the way is the shorter, along which light is dimmed; mostly the camera's.
     float length_left = to - from, way = way_by(ray, from), middle_way = way_by(ray, 0.5 * (from + to)),
@@ -263,10 +296,9 @@ vec3 integral(Along ray, float from, float to) {
     float least = min(min(push.extinction.x, push.extinction.y), push.extinction.z);
     length_left = min(length_left, kDarkness / max(least * slow, 1e-20));
     // Panels double in width from the near end, so that all channels are resolved where they are bright: a panel that
-    // is wide against a channel's depth lies where that channel is dark. Where densities change by much, as the areas
-    // do, they are cut too.
+    // is wide against a channel's depth lies where that channel is dark. Where areas change by much they are cut too.
     float width = kFirstDepth / max(most * steep, 1e-20);
-    float widest = length_left / clamp(ceil(length_left * end_steepness.w * abs(ray.deeper)), 1.0, kMostForDensity);
+    float widest = length_left;
 #ifdef BOUNDED
     // A rule of two nodes for what reaches them, after Gauss, on the halves' own columns times their mean
     // transmittances: a part of the ray scatters what its columns say, wherever within it they grow.
@@ -283,10 +315,17 @@ vec3 integral(Along ray, float from, float to) {
     for (int panel = 0; panel < kMostPanels && at_near < length_left; ++panel) {
         float place = near + sense * at_near, size = length_left - at_near;
         if (panel + 1 < kMostPanels)
-            size = within_media(ray, place, sense, min(min(width, widest * 1.0001), size), wide);
+            size = within_media(ray, place, sense, min(min(width, widest), size), wide);
         float here = sense * size, one_cosine, other_cosine;
-        vec3 one = arriving(ray, place + kTwoNodes * here, one_cosine);
-        vec3 other = arriving(ray, place + (1.0 - kTwoNodes) * here, other_cosine);
+        float one_t = place + kTwoNodes * here, other_t = place + (1.0 - kTwoNodes) * here;
+        vec3 one_area, other_area, middle_area;
+        ring_areas(ray.depth + ray.deeper * vec3(one_t, place + 0.5 * here, other_t), one_area, middle_area, other_area);
+        if (changes(one_area, middle_area, other_area) && panel + 2 < kMostPanels) {
+            widest = 0.5 * size;
+            continue;
+        }
+        widest = max(widest, size) * growth(one_area, other_area);
+        vec3 one = arriving(ray, one_t, one_area, one_cosine), other = arriving(ray, other_t, other_area, other_cosine);
         vec3 t = ray.base + vec3(place, place + 0.5 * here, place + here);
         vec3 middle_depth = push.extinction * t.y + light_depth_at(ray, place + 0.5 * here);
         vec3 last_depth = push.extinction * t.z + light_depth_at(ray, place + here);
@@ -319,11 +358,17 @@ vec3 integral(Along ray, float from, float to) {
     vec3 sum = vec3(0.0);
     float at_near = 0.0;
     for (int panel = 0; panel < kMostPanels && at_near < length_left; ++panel) {
-        float half_width = 0.5 * min(min(width, widest * 1.0001), length_left - at_near);
+        float half_width = 0.5 * (length_left - at_near);
+        if (panel + 1 < kMostPanels) half_width = min(0.5 * min(width, widest), half_width);
         float middle = near + sense * (at_near + half_width);
         vec3 t = vec3(middle - kNode * half_width, middle, middle + kNode * half_width);
         vec3 depth = ray.depth + ray.deeper * t;
         ring_areas(depth, a, b, c);
+        if (changes(a, b, c) && panel + 2 < kMostPanels) {
+            widest = half_width;
+            continue;
+        }
+        widest = max(widest, 2.0 * half_width) * growth(a, c);
         sum += half_width * (kOuter * (scattered_at(ray, t.x, depth.x, a) + scattered_at(ray, t.z, depth.z, c)) +
                              kInner * scattered_at(ray, t.y, depth.y, b));
         at_near += 2.0 * half_width;
@@ -339,9 +384,21 @@ void order(inout float a, inout float b) {
     a = least;
 }
 
+// Of |p| |q|: what a cross product of p and q is off by, several times rounding.
+const float kNoise = 1e-6;
+
+// Of a ray that passes a focus the sides' signs are those of rounding, where all corners coincide. Points in a beam are
+// as near to its corners as these are to each other.
 uint piece_bit(Along ray, float from, float to, uint bit) {
-    return from < to && one_sign(sides(ray, 0.5 * (from + to))) ? bit : 0u;
+    float t = 0.5 * (from + to);
+    vec3 w = sides(ray, t);
+    bool certain = abs(w.x + w.y + w.z) > kNoise * (ray.spread.x + ray.spread.y * t * t);
+    return from < to && one_sign(w) && certain ? bit : 0u;
 }
+
+// Places that edges are measured from lie so many of a beam's perimeters apart, or half as many; and m at least.
+const float kCellOfPerimeter = 4.0;
+const float kLeastCell = 1.0 / 131072.0;
 
 vec3 scatter(vec3 origin, vec3 direction, float segment, uint entry) {
     vec2 p0 = place(ray_0, origin), p1 = place(ray_1, origin), p2 = place(ray_2, origin);
@@ -349,7 +406,7 @@ vec3 scatter(vec3 origin, vec3 direction, float segment, uint entry) {
          d2 = ray_2.zw * direction.z - direction.xy;
     // Where the segment is in the beam's range of depths.
     vec3 start = starts();
-    float low = min(min(start.x, start.y), start.z) - area_bias_1.w;
+    float low = min(min(start.x, start.y), start.z) - start_bias;
     vec3 end = ends();
     float high = max(max(end.x, end.y), end.z) + kEndBias;
     float from = 0.0, to = segment;
@@ -364,10 +421,15 @@ vec3 scatter(vec3 origin, vec3 direction, float segment, uint entry) {
     clip_to_media(entry, from, to);
     if (from >= to) return vec3(0.0);
 #endif
-    // Edges are measured from a place near the beam, where few digits are lost; neighbours mostly take the same.
-    vec2 p = (p0 + p1 + p2) / 3.0, d = (d0 + d1 + d2) / 3.0;
-    float nearest = clamp(-dot(p, d) / max(dot(d, d), 1e-12), from, max(from, to));
-    float base = round(nearest / area_cell_2.w) * area_cell_2.w;
+    // Edges are measured from a place near the beam, where few digits are lost: from multiples of a power of two, some
+    // widths of the beam there, so that neighbours mostly take the same.
+    float across = dot(d0, d0) + dot(d1, d1) + dot(d2, d2);
+    float nearest = -(dot(p0, d0) + dot(p1, d1) + dot(p2, d2)) / max(across, 1e-12);
+    nearest = clamp(nearest, from, max(from, to));
+    vec2 q0 = p0 + nearest * d0, q1 = p1 + nearest * d1, q2 = p2 + nearest * d2;
+    float perimeter = distance(q0, q1) + distance(q1, q2) + distance(q2, q0);
+    float cell = max(uintBitsToFloat(floatBitsToUint(kCellOfPerimeter * perimeter) & 0x7f800000u), kLeastCell);
+    float base = round(nearest / cell) * cell;
     vec3 point = origin + base * direction;
     p0 = place(ray_0, point);
     p1 = place(ray_1, point);
@@ -379,6 +441,7 @@ vec3 scatter(vec3 origin, vec3 direction, float segment, uint entry) {
     ray.depth = point.z;
     ray.deeper = direction.z;
     ray.direction = direction;
+    ray.spread = vec2(dot(p0, p0) + dot(p1, p1) + dot(p2, p2), across);
     ray.base = base;
     ray.point = point;
     ray.entry = entry;

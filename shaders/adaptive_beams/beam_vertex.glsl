@@ -20,16 +20,17 @@ void main() {
     ray_0 = beam.ray[0];
     ray_1 = beam.ray[1];
     ray_2 = beam.ray[2];
-    area_middle_0 = vec4(beam.area[0], beam.middle);
-    area_bias_1 = vec4(beam.area[1], beam.bias);
-    area_cell_2 = vec4(beam.area[2], beam.cell);
+    area_0 = beam.area[0];
+    area_1 = beam.area[1];
+    area_2 = beam.area[2];
     flux_start_0 = vec4(beam.flux[0], beam.start.x);
     flux_start_1 = vec4(beam.flux[1], beam.start.y);
     flux_start_2 = vec4(beam.flux[2], beam.start.z);
-    end_steepness = vec4(beam.end, beam.steepness);
+    end_bias = vec4(beam.end, beam.end_bias);
 #ifdef BOUNDED
     beam_index = gl_VertexIndex / 6;
 #endif
+    start_bias = beam.start_bias;
     listed_ends_on = ivec3(int(beam.first), int(beam.last), beam.ends_on);
     vec3 corner = corners[gl_VertexIndex];
     vec2 picture = vec2(textureSize(pixels, 0));

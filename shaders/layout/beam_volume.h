@@ -9,25 +9,23 @@ const uint kPhaseValues = 2048u;  // of a tabulated phase function
 
 // What a fragment knows of its beam; corners k in 0, 1, 2. Areas A are those that a corner's ring of
 // triangles has on the planes of constant depth: |area.x + area.y u + area.z u^2| [m^2] with
-// u = depth - middle, and on top of it those of the triangles listed for the beam, whose sign changes.
+// u = depth - area.w, and on top of it those of the triangles listed for the beam, whose sign changes.
 struct DrawnBeam {
-    vec4 ray[3];      // m and m a m of depth: a, b at depth 0, slopes
-    vec3 area[3];     // m^2, m, 1
-    vec3 flux[3];     // W a channel, of a corner's ring
-    vec3 start;       // m, depths at which the corners' rays begin
-    vec3 end;         // m, and end
-    float middle;     // m, depth
-    float bias;       // m of depth before the start, and beyond the end on the object that it ends on
-    float cell;       // m, along camera rays: places that edges are measured from are multiples of it
-    float steepness;  // 1/m: how fast the logarithms of the areas change with depth, at most
-    uint first;       // of the beam's listed triangles
-    uint last;        // and the one after its last
-    int ends_on;      // object that its rays end on; negative: none
+    vec4 ray[3];       // m and m a m of depth: a, b at depth 0, slopes
+    vec4 area[3];      // m^2, m, 1, and m: where the area is least, as digits are lost far from there
+    vec3 flux[3];      // W a channel, of a corner's ring
+    vec3 start;        // m, depths at which the corners' rays begin
+    vec3 end;          // m, and end
+    float start_bias;  // m of depth before the start that belong to the beam
+    float end_bias;    // and beyond the end, on the object that it ends on
+    uint first;        // of the beam's listed triangles
+    uint last;         // and the one after its last
+    int ends_on;       // object that its rays end on; negative: none
 };
 
 // A triangle of a ring whose area changes its sign on the beam's way.
 struct TurningArea {
-    vec3 area;     // m^2, m, 1; as in the beam
+    vec4 area;     // m^2, m, 1, m; as in the beam
     uint corners;  // 1, 2, 4: it is of the rings of corners 0, 1, 2
 };
 

@@ -19,6 +19,7 @@
 #include "methods/adaptive_beams/make_beams.h"
 #include "methods/adaptive_beams/media_columns.h"
 #include "methods/adaptive_frame.h"
+#include "methods/drawn_sheets.h"
 
 namespace dapple {
 namespace {
@@ -389,6 +390,52 @@ methods::adaptive_beams::BeamSums drawn(const scene::FrameScene& scene,
     methods::adaptive_beams::BeamRenderer renderer(device, largest_buffer);
     renderer.begin(scene, sets, methods::adaptive_beams::VolumeKind::six_triangles, shading, stats);
     return renderer.render(&segments, &layer, stats);
+}
+
+TEST(Grids, DimEveryRayOfABeamOnItsOwnWay) {
+    // Four by four beams that meet 1 m deep, over a floor before and one beyond the focus; the grid grows
+    // denser to one side.
+    scene::FrameScene scene = pool(90);
+    scene.state.water->absorption = scene.state.water->scattering = glm::dvec3(0);
+    scene.state.media = {medium(scene::MediumType::grid)};
+    scene.medium_grids = {
+        grid_of({-8, -40, -8}, {17, 40, 17}, 0.05, [](glm::ivec3 at) { return 0.1 * (8 + at.x); })};
+    scene.state.camera.projection = scene::Projection::orthographic;
+    scene.state.camera.up = {0, 0, -1};
+    const media::Media media(scene);
+    for (const double depth : {0.7, 1.5}) {
+        scene.state.objects = {test::floor_at(-depth, 100)};
+        scene.state.camera.position = {0, -depth + 0.1, 0};
+        scene.state.camera.target = {0, -depth, 0};
+        const double width = 0.4 * std::abs(1 - depth);
+        scene.state.camera.view_height = 0.9 * width;
+        scene.state.clip.width = scene.state.clip.height = 24;
+        const rays::RayScene rays(scene);
+        FrameStats stats;
+        view::SegmentLayer segments;
+        view::LayerCounts counts;
+        const view::ReceiverLayer layer = view::trace_layer(scene, rays, {}, counts, &segments);
+        const methods::adaptive_beams::BeamSet lens = test::lens_of_beams(1);
+        methods::adaptive_beams::BeamRenderer renderer(test::validated_device(), std::uint64_t{1} << 30);
+        renderer.begin(scene, {&lens, 1}, methods::adaptive_beams::VolumeKind::six_triangles,
+                       methods::adaptive_beams::Shading::exact, stats);
+        const auto found = renderer.render(&segments, &layer, stats).irradiance;
+        double worst = 0, brightest = 0, darkest = 1;
+        for (std::size_t i = 0; i < layer.pixels(); ++i) {
+            const glm::dvec3 end(layer.position[i]);
+            const glm::dvec3 start(end.x / (1 - depth), 0, end.z / (1 - depth));
+            const double way = glm::distance(start, end);
+            const glm::dvec3 left = glm::exp(-media.optical_depth(start, (end - start) / way, way, true));
+            const double expected = 32 / (width * width) * left.r;
+            brightest = std::max(brightest, left.r);
+            darkest = std::min(darkest, left.r);
+            worst = std::max(worst, std::abs(static_cast<double>(found[i].r) / expected - 1));
+        }
+        printf("grid over a floor at %g m: E off by %.1e\n", depth, worst);
+        EXPECT_LT(darkest, 0.9 * brightest);
+        // Half floats; between places of a table columns are parabolas.
+        EXPECT_LT(worst, 1e-3);
+    }
 }
 
 TEST(Rows, OfAPictureMayBeDrawnByThemselves) {

@@ -43,4 +43,26 @@ inline std::vector<methods::adaptive_beams::BeamSet> drawn_sheets(
     return sets;
 }
 
+/// 32 W. All rays meet a line 1 m deep, and another 1 / `across` m deep; with 1 they meet in a point. They go
+/// from one depth to another.
+inline methods::adaptive_beams::BeamSet lens_of_beams(float across, float start = 0, float end = 3) {
+    methods::adaptive_beams::BeamSet lens;
+    lens.in_water = true;
+    lens.world_from_mesh = glm::dmat3(glm::dvec3(1, 0, 0), glm::dvec3(0, 0, 1), glm::dvec3(0, -1, 0));
+    for (int row = 0; row <= 4; ++row)
+        for (int column = 0; column <= 4; ++column) {
+            const float a = 0.1f * static_cast<float>(column - 2), b = 0.1f * static_cast<float>(row - 2);
+            lens.vertices.push_back({a, b, -a, -across * b, start, end});
+        }
+    for (std::uint32_t row = 0; row < 4; ++row)
+        for (std::uint32_t column = 0; column < 4; ++column) {
+            const std::uint32_t i = 5 * row + column;
+            lens.triangles.emplace_back(i, i + 5, i + 1);
+            lens.triangles.emplace_back(i + 1, i + 5, i + 6);
+        }
+    lens.flux.assign(lens.triangles.size(), glm::vec3(1));
+    lens.ends_on.assign(lens.triangles.size(), 0);
+    return lens;
+}
+
 }  // namespace dapple::test

@@ -33,8 +33,8 @@ namespace {
 
 using layout::BeamFrame;
 using layout::BeamPush;
-static_assert(sizeof(layout::DrawnBeam) == 172);
-static_assert(sizeof(layout::TurningArea) == 16);
+static_assert(sizeof(layout::DrawnBeam) == 176);
+static_assert(sizeof(layout::TurningArea) == 20);
 static_assert(sizeof(layout::PaperBeam) == 124);
 static_assert(sizeof(BeamPush) == 120);
 static_assert(sizeof(BeamFrame) == 36);

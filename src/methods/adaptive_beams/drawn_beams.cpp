@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
+#include <utility>
 
 #include "base/parallel.h"
 #include "methods/adaptive_beams/ring_areas.h"
@@ -12,8 +13,6 @@ namespace {
 
 constexpr std::size_t kTile = 256;
 constexpr std::size_t kCorners = 6, kFaces = 8;
-/// Widths of a beam between places that its edges are measured from.
-constexpr double kCellOfWidth = 8;
 
 glm::dvec2 at(const BeamSet::Vertex& ray, double depth) {
     return {ray.a + depth * static_cast<double>(ray.slope_a),
@@ -27,6 +26,16 @@ std::array<glm::dvec2, 3> at(const std::array<BeamSet::Vertex, 3>& rays, double 
 /// Mean length of the edges.
 double width(const std::array<glm::dvec2, 3>& t) {
     return (glm::distance(t[0], t[1]) + glm::distance(t[1], t[2]) + glm::distance(t[2], t[0])) / 3;
+}
+
+/// The first start and the last end.
+std::pair<double, double> depths(const std::array<BeamSet::Vertex, 3>& rays) {
+    return {std::min({rays[0].start, rays[1].start, rays[2].start}),
+            std::max({rays[0].end, rays[1].end, rays[2].end})};
+}
+
+glm::vec4 drawn(const AreaFunction& area) {
+    return {area.q, area.middle};
 }
 
 class Builder {
@@ -68,6 +77,11 @@ private:
         return kMarginPixels * pixel_size_ * farthest;
     }
 
+    std::array<BeamSet::Vertex, 3> rays_of(std::size_t beam) const {
+        const glm::uvec3 triangle = set_.triangles[beam];
+        return {set_.vertices[triangle.x], set_.vertices[triangle.y], set_.vertices[triangle.z]};
+    }
+
     /// Lists for each beam the triangles of its corners' rings that turn over.
     void list_turning() {
         const std::size_t count = set_.triangles.size();
@@ -84,14 +98,14 @@ private:
                 }
                 std::sort(found.begin(), found.end());
                 layout::DrawnBeam& beam = beams_.beams[i];
+                const auto [from, to] = depths(rays_of(i));
                 beam.first = static_cast<std::uint32_t>(list.size());
                 for (std::size_t j = 0; j < found.size(); ++j) {
                     if (j > 0 && found[j].first == found[j - 1].first) {
                         list.back().corners |= found[j].second;
                     } else {
-                        const AreaFunction area = area_function(set_, set_.triangles[found[j].first],
-                                                                static_cast<double>(beam.middle));
-                        list.push_back({area.q, found[j].second});
+                        const AreaFunction area = area_function(set_, set_.triangles[found[j].first], from);
+                        list.push_back({drawn(area.about_least(from, to)), found[j].second});
                     }
                 }
                 beam.last = static_cast<std::uint32_t>(list.size());
@@ -125,12 +139,10 @@ private:
     /// Whether its volume is of the kind that is wanted.
     bool add(std::size_t i) {
         const glm::uvec3 triangle = set_.triangles[i];
-        const std::array<BeamSet::Vertex, 3> rays{set_.vertices[triangle.x], set_.vertices[triangle.y],
-                                                  set_.vertices[triangle.z]};
-        const double start = std::min({rays[0].start, rays[1].start, rays[2].start});
-        const double end = std::max({rays[0].end, rays[1].end, rays[2].end});
-        const double middle = 0.5 * (start + end);
-        const double bias = kLeastBias + kBiasOfWidth * width(at(rays, end));
+        const std::array<BeamSet::Vertex, 3> rays = rays_of(i);
+        const auto [start, end] = depths(rays);
+        const double start_bias = kLeastBias + kBiasOfWidth * width(at(rays, start));
+        const double end_bias = kLeastBias + kBiasOfWidth * width(at(rays, end));
         layout::DrawnBeam& beam = beams_.beams[i];
         for (int k = 0; k < 3; ++k) {
             const BeamSet::Vertex& ray = rays[static_cast<std::size_t>(k)];
@@ -138,19 +150,16 @@ private:
             beam.ray[k] = {ray.a, ray.b, ray.slope_a, ray.slope_b};
             beam.start[k] = ray.start;
             beam.end[k] = ray.end;
-            beam.area[k] = areas_.even[v].about(static_cast<double>(static_cast<float>(middle))).q;
+            beam.area[k] = drawn(areas_.even[v]);
             beam.flux[k] = areas_.flux[v];
-            beam.steepness = std::max(beam.steepness, static_cast<float>(areas_.steepness[v]));
         }
-        beam.middle = static_cast<float>(middle);
-        beam.bias = static_cast<float>(bias);
+        beam.start_bias = static_cast<float>(start_bias);
+        beam.end_bias = static_cast<float>(end_bias);
         beam.ends_on = set_.ends_on[i];
-        const double cell = kCellOfWidth * width(at(rays, middle));
-        beam.cell = static_cast<float>(std::exp2(std::ceil(std::log2(std::max(cell, 1e-3)))));
 
         BeamSection section;
-        section.near_depth = start - bias;
-        section.far_depth = end + bias;
+        section.near_depth = start - start_bias;
+        section.far_depth = end + end_bias;
         section.near_margin = margin(at(rays, section.near_depth), section.near_depth);
         section.far_margin = margin(at(rays, section.far_depth), section.far_depth);
         section.near_depth -= section.near_margin;

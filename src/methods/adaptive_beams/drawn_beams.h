@@ -23,8 +23,8 @@ struct DrawnBeams {
 };
 
 /// Depths before its start that still belong to a beam, and beyond its end on the object that it ends on, m:
-/// between its vertices a surface that they lie on may bulge. A constant, and a share of the beam's width at
-/// its end.
+/// between its vertices a surface that they lie on may bulge. A constant, and a share of the beam's width
+/// there.
 constexpr double kLeastBias = 1e-3;
 constexpr double kBiasOfWidth = 0.1;
 /// Pixels by which volumes are wider than beams: more than a rasteriser's rounding of corners (1/256 pixel).

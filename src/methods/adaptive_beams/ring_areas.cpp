@@ -1,7 +1,6 @@
 #include "methods/adaptive_beams/ring_areas.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
@@ -50,6 +49,13 @@ AreaFunction AreaFunction::about(double depth) const {
     return {{at(depth), q.y + 2 * shift * q.z, q.z}, depth};
 }
 
+AreaFunction AreaFunction::about_least(double from, double to) const {
+    double depth = std::abs(at(from)) <= std::abs(at(to)) ? from : to;
+    const double turn = q.z != 0 ? middle - 0.5 * q.y / q.z : from;
+    if (turn > from && turn < to && std::abs(at(turn)) < std::abs(at(depth))) depth = turn;
+    return about(static_cast<double>(static_cast<float>(depth)));
+}
+
 AreaFunction area_function(const BeamSet& set, const glm::uvec3& triangle, double middle) {
     glm::dvec2 place[3], slope[3];
     for (int k = 0; k < 3; ++k) {
@@ -63,10 +69,7 @@ AreaFunction area_function(const BeamSet& set, const glm::uvec3& triangle, doubl
 }
 
 RingAreas::RingAreas(const BeamSet& set)
-    : even(set.vertices.size()),
-      flux(set.vertices.size(), glm::dvec3(0)),
-      steepness(set.vertices.size(), 0),
-      first(set.vertices.size() + 1, 0) {
+    : even(set.vertices.size()), flux(set.vertices.size(), glm::dvec3(0)), first(set.vertices.size() + 1, 0) {
     const Rings rings(set);
     std::vector<std::vector<std::uint32_t>> listed(set.vertices.size() / kTile + 1);
     parallel_for(set.vertices.size(), kTile, [&](std::size_t begin, std::size_t end) {
@@ -86,12 +89,8 @@ RingAreas::RingAreas(const BeamSet& set)
             });
             if (!(from <= to)) continue;
             even[v].middle = 0.5 * (from + to);
-            std::array<double, kSteepnessSteps + 1> sums{};
-            const double step = (to - from) / kSteepnessSteps;
             visit([&](std::uint32_t i) {
                 const AreaFunction area = area_function(set, set.triangles[i], even[v].middle);
-                for (int k = 0; k <= kSteepnessSteps; ++k)
-                    sums[static_cast<std::size_t>(k)] += std::abs(area.at(from + k * step));
                 if (keeps_sign(area, from, to)) {
                     even[v].q += area.at(from) + area.at(to) < 0 ? -area.q : area.q;
                 } else {
@@ -99,12 +98,7 @@ RingAreas::RingAreas(const BeamSet& set)
                     ++first[v + 1];
                 }
             });
-            // Changes of more than e^8 count as such: to or from a point there is no end of them.
-            for (std::size_t k = 0; k < kSteepnessSteps && step > 0; ++k) {
-                const double least = std::min(sums[k], sums[k + 1]), most = std::max(sums[k], sums[k + 1]);
-                const double change = least > 0 ? std::min(std::log(most / least), 8.0) : 8.0;
-                steepness[v] = std::max(steepness[v], change / step);
-            }
+            even[v] = even[v].about_least(from, to);
         }
     });
     for (std::size_t v = 1; v < first.size(); ++v) first[v] += first[v - 1];

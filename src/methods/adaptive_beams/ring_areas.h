@@ -18,9 +18,11 @@ struct AreaFunction {
     }
     /// The same function about another depth.
     AreaFunction about(double depth) const;
+    /// The same about that end of a range or that extremum in it, rounded to float, where |A| is least.
+    /// Floats then keep the small areas about a focus; far from there they would be differences of large
+    /// numbers.
+    AreaFunction about_least(double from, double to) const;
 };
-
-constexpr int kSteepnessSteps = 8;
 
 /// Signed area of a triangle of rays on the planes of constant depth, about `middle`.
 AreaFunction area_function(const BeamSet& set, const glm::uvec3& triangle, double middle);
@@ -29,11 +31,8 @@ AreaFunction area_function(const BeamSet& set, const glm::uvec3& triangle, doubl
 /// that keep their sign between the first start and the last end of the ring are summed up in one function;
 /// the others, which pass a focus there, are listed.
 struct RingAreas {
-    std::vector<AreaFunction> even;  ///< a vertex
-    std::vector<glm::dvec3> flux;    ///< a vertex, W
-    /// A vertex, 1/m: how fast the logarithm of the ring's area changes, at most, between kSteepnessSteps + 1
-    /// depths.
-    std::vector<double> steepness;
+    std::vector<AreaFunction> even;      ///< a vertex, about the depth where it is least
+    std::vector<glm::dvec3> flux;        ///< a vertex, W
     std::vector<std::uint32_t> first;    ///< vertices + 1, into `turning`
     std::vector<std::uint32_t> turning;  ///< triangles of the set, ascending in each ring
 
