@@ -90,10 +90,10 @@ std::vector<std::size_t> upsample(const view::ReceiverLayer& fine, const view::R
     return pixels;
 }
 
-std::size_t take_nearest(const view::ReceiverLayer& fine, const view::ReceiverLayer& coarse,
-                         const Irradiance& from, const CoarseGrid& grid, std::span<const std::size_t> pixels,
-                         Irradiance& to) {
-    std::size_t left = 0;
+std::vector<std::size_t> take_nearest(const view::ReceiverLayer& fine, const view::ReceiverLayer& coarse,
+                                      const Irradiance& from, const CoarseGrid& grid,
+                                      std::span<const std::size_t> pixels, Irradiance& to) {
+    std::vector<std::size_t> left;
     for (const std::size_t pixel : pixels) {
         const glm::dvec2 place = coarse_place(fine, pixel, grid);
         const glm::ivec2 middle(glm::round(place));
@@ -111,7 +111,7 @@ std::size_t take_nearest(const view::ReceiverLayer& fine, const view::ReceiverLa
                          to.values[pixel] = from.values[other];
                          to.covered[pixel] = 1;
                      });
-        if (!to.covered[pixel]) ++left;
+        if (!to.covered[pixel]) left.push_back(pixel);
     }
     return left;
 }

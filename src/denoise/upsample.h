@@ -30,10 +30,10 @@ struct Irradiance {
 std::vector<std::size_t> upsample(const view::ReceiverLayer& fine, const view::ReceiverLayer& coarse,
                                   const Irradiance& from, const CoarseGrid& grid, Irradiance& to);
 
-/// Gives such pixels the E of the nearest covered pixel of the coarse picture on the same surface, at most
-/// four away in x and y. Returns how many found none and stay as they are.
-std::size_t take_nearest(const view::ReceiverLayer& fine, const view::ReceiverLayer& coarse,
-                         const Irradiance& from, const CoarseGrid& grid, std::span<const std::size_t> pixels,
-                         Irradiance& to);
+/// Gives such pixels the E of the nearest covered pixel of a coarse picture on the same surface, at most four
+/// away in x and y. Returns those that found none and stay as they are.
+std::vector<std::size_t> take_nearest(const view::ReceiverLayer& fine, const view::ReceiverLayer& coarse,
+                                      const Irradiance& from, const CoarseGrid& grid,
+                                      std::span<const std::size_t> pixels, Irradiance& to);
 
 }  // namespace dapple::denoise

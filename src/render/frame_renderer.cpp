@@ -334,8 +334,9 @@ std::size_t FrameRenderer::State::other_bytes(const scene::FrameState& given) {
     // In double: a picture of absurd size must not wrap around to a small number.
     const double count = static_cast<double>(state.clip.width) * static_cast<double>(state.clip.height);
     const bool volume = may_scatter(state);
+    // Beside layers of the buffer there is one of the receivers that it does not serve.
     const double side = pixels_a_side(state.caustics.buffer_scale);
-    const double buffer = side > 1 ? kLayerBytes / (side * side) : 0;
+    const double buffer = side > 1 ? kLayerBytes * (1 + 1 / (side * side)) : 0;
     const double a_layer = static_cast<double>(kLayerBytes + (volume ? 2 * sizeof(glm::vec3) : 0)) + buffer;
     const double a_pixel = static_cast<double>(Film::bytes_per_pixel(volume)) +
                            static_cast<double>(batch_size(state.clip)) * a_layer +

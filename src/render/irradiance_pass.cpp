@@ -41,25 +41,37 @@ void IrradiancePass::run(std::span<const view::ReceiverLayer> layers,
                          std::vector<std::uint8_t>(layer.pixels(), 0)});
     }
     find(coarse, found);
+    std::vector<denoise::Irradiance> from;
+    for (methods::LayerResult& result : found)
+        from.push_back({std::move(result.irradiance), std::move(result.covered)});
     std::vector<std::vector<std::size_t>> missing(layers.size());
     {
         const ScopedPass pass(context_.stats, "upsampling");
         for (std::size_t i = 0; i < layers.size(); ++i) {
             const denoise::CoarseGrid grid = coarse_grid(scene_, scale_, layers[i].sample);
-            const denoise::Irradiance from{std::move(found[i].irradiance), std::move(found[i].covered)};
             denoise::Irradiance to;
-            missing[i] = denoise::upsample(layers[i], coarse[i], from, grid, to);
+            missing[i] = denoise::upsample(layers[i], coarse[i], from[i], grid, to);
             context_.stats.count("receivers off the buffer", static_cast<double>(missing[i].size()));
-            if (!method_.serves_any_layer()) {
-                const std::size_t left =
-                    denoise::take_nearest(layers[i], coarse[i], from, grid, missing[i], to);
-                context_.stats.count("receivers without E of the buffer", static_cast<double>(left));
-            }
+            if (!method_.serves_any_layer()) take_nearest(layers[i], missing[i], coarse, from, i, to);
             results[i].irradiance = std::move(to.values);
             results[i].covered = std::move(to.covered);
         }
     }
     if (method_.serves_any_layer()) ask_for(layers, missing, results);
+}
+
+/// From the layer's own buffer, then from those of the pixel's other samples: what is narrower than a pixel
+/// of the buffer may be in some of them only.
+void IrradiancePass::take_nearest(const view::ReceiverLayer& layer, std::vector<std::size_t> pixels,
+                                  std::span<const view::ReceiverLayer> coarse,
+                                  std::span<const denoise::Irradiance> from, std::size_t own,
+                                  denoise::Irradiance& to) {
+    for (std::size_t i = 0; i < coarse.size() && !pixels.empty(); ++i) {
+        const std::size_t other = (own + i) % coarse.size();
+        const denoise::CoarseGrid grid = coarse_grid(scene_, scale_, coarse[other].sample);
+        pixels = denoise::take_nearest(layer, coarse[other], from[other], grid, pixels, to);
+    }
+    context_.stats.count("receivers without E of the buffer", static_cast<double>(pixels.size()));
 }
 
 /// E where the method finds it, through the filter.

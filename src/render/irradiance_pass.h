@@ -1,6 +1,7 @@
 #pragma once
 #include <span>
 
+#include "denoise/upsample.h"
 #include "methods/caustic_method.h"
 #include "scene/frame_scene.h"
 #include "view/receiver_layer.h"
@@ -26,6 +27,9 @@ public:
 
 private:
     void find(std::span<const view::ReceiverLayer> layers, std::span<methods::LayerResult> results);
+    void take_nearest(const view::ReceiverLayer& layer, std::vector<std::size_t> pixels,
+                      std::span<const view::ReceiverLayer> coarse, std::span<const denoise::Irradiance> from,
+                      std::size_t own, denoise::Irradiance& to);
     void ask_for(std::span<const view::ReceiverLayer> layers,
                  std::span<const std::vector<std::size_t>> pixels, std::span<methods::LayerResult> results);
 

@@ -195,7 +195,7 @@ TEST(Denoise, AdaptiveRadiusIsThatOfTheLuminance) {
         scene::Denoise settings = adaptive();
         settings.threshold = threshold;
         const Filtered found = filtered(layer, irradiance, settings);
-        const float scale = radius == 15 ? 15 : radius == 10 ? 2 : 1;
+        const float scale = radius == 15 ? 15.0f : radius == 10 ? 2.0f : 1.0f;
         for (int dy = 0; dy <= 17; ++dy)
             for (int dx = 0; dx <= 17; ++dx) {
                 const auto i = static_cast<std::size_t>((35 + dy) * 71 + 35 + dx);
@@ -212,6 +212,21 @@ TEST(Denoise, AdaptiveRadiusIsThatOfTheLuminance) {
     is(0.060f, 0.114, 5);
     is(0.060f, 0.144, 10);
     is(2.000f, 0.114, 5);
+}
+
+/// A lit pixel in the dark: the radii of dark pixels hold in both directions, though the row about it is no
+/// longer dark once the rows have been filtered.
+TEST(Denoise, RadiiAreFoundOnceAPass) {
+    const view::ReceiverLayer layer = test::plane_layer(41, 41, 0.01f);
+    std::vector<glm::vec3> irradiance(layer.pixels(), glm::vec3(0));
+    irradiance[20 * 41 + 20] = glm::vec3(5000);
+    const Filtered found = filtered(layer, irradiance, adaptive());
+    for (int dy = 0; dy <= 16; ++dy)
+        for (int dx = 0; dx <= 16; ++dx)
+            // Floats of what is left in the middle, 16, after some thirty taps.
+            EXPECT_NEAR(found.irradiance[static_cast<std::size_t>((20 + dy) * 41 + 20 + dx)].x,
+                        5000 * spread(dx, 15, 15) * spread(dy, 15, 15), 2e-3f)
+                << dx << "," << dy;
 }
 
 /// The same of the fixed filter, whatever the luminance.
