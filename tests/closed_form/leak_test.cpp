@@ -16,6 +16,7 @@ constexpr double kOverhang = 0.2 - 0.5 * kRail;
 struct Leak {
     double share;      // of the rail's light, on the floor on top of what belongs there
     double brightest;  // floor
+    double shadow;     // brightest floor well inside the rail's
     double rail;       // mean E of its top, of what belongs there
 };
 
@@ -42,22 +43,25 @@ Leak leak(scene::PhotonFootprint footprint, bool paper) {
     FrameStats stats;
     const render::RenderedFrame frame = renderer.render(state, stats);
     const std::vector<float>& e = frame.linear.find("E.R")->values;
+    const std::vector<float>& x = frame.linear.find("P.X")->values;
     const std::vector<float>& height = frame.linear.find("P.Y")->values;
     const double expected = state.lights[0].irradiance.r * test::flat_floor(0, 1.5, 1.333).irradiance;
-    double excess = 0, on_rail = 0, brightest = 0;
+    double excess = 0, on_rail = 0, brightest = 0, shadow = 0;
     std::size_t rail_pixels = 0;
     for (std::size_t i = 0; i < e.size(); ++i) {
         const double ratio = static_cast<double>(e[i]) / expected;
         if (height[i] < -1.49f) {
             excess += std::max(0.0, ratio - 1);
             brightest = std::max(brightest, ratio);
+            // A photon beside it, 25 cm from its middle, lights at most one spacing inwards.
+            if (std::abs(x[i]) < 0.14f) shadow = std::max(shadow, ratio);
         } else if (std::abs(height[i] + 1) < 1e-3f) {
             on_rail += ratio;
             ++rail_pixels;
         }
     }
     EXPECT_GT(rail_pixels, 500u);
-    return {excess / on_rail, brightest, on_rail / static_cast<double>(rail_pixels)};
+    return {excess / on_rail, brightest, shadow, on_rail / static_cast<double>(rail_pixels)};
 }
 
 TEST(Leak, PaperSplatsLightWhatLiesBehindTheOverhangAndOursDoNot) {
@@ -65,6 +69,7 @@ TEST(Leak, PaperSplatsLightWhatLiesBehindTheOverhangAndOursDoNot) {
     for (const Name footprint : {Name::tent, Name::photon_differential, Name::photon_difference}) {
         const Leak ours = leak(footprint, false);
         EXPECT_LT(ours.brightest, 1.001);  // as flat as flat water is
+        EXPECT_EQ(ours.shadow, 0);
         EXPECT_NEAR(ours.rail, 1, 1e-3);
     }
     const Leak paper = leak(Name::photon_difference, true);
