@@ -417,12 +417,10 @@ double through_pyramids(glm::dvec3 origin, glm::dvec3 direction, double length) 
     return sum / (4 * glm::pi<double>());
 }
 
-TEST(Focus, ScattersItsFluxAlsoInBeamsOfAHundredMetres) {
-    constexpr double kScattering = 1e-5;
-    scene::FrameScene scene = flat_scene(0, 4);
-    scene.state.water->absorption = glm::dvec3(0);
-    scene.state.water->scattering = glm::dvec3(kScattering);
-    scene.state.water->phase.type = scene::PhaseType::isotropic;
+constexpr double kThin = 1e-5;  // 1/m: takes away nothing that can be seen
+
+/// S of beams of 200 m that meet in a point, in a scene that scatters kThin alike in all directions.
+void expect_all_flux_about_a_focus(scene::FrameScene scene) {
     scene.state.objects = {test::level_plane("floor", -3, 400)};
     scene.state.clip.width = scene.state.clip.height = 8;
     scene.state.camera.projection = scene::Projection::orthographic;
@@ -443,13 +441,33 @@ TEST(Focus, ScattersItsFluxAlsoInBeamsOfAHundredMetres) {
                 camera.ray(glm::dvec2(i % 8, i / 8) + 0.5, origin, direction);
                 const auto length = static_cast<double>(drawn.segments.length[i]);
                 found += static_cast<double>(drawn.sums.scattered[i].g);
-                expected += kScattering * through_pyramids(origin, direction, std::min(length, 40.0));
+                expected += kThin * through_pyramids(origin, direction, std::min(length, 40.0));
             }
             printf("%g %g %g, %g m: %.4f of the flux\n", towards.x, towards.y, towards.z, size,
                    found / expected);
             EXPECT_NEAR(found, expected, 0.01 * expected);
         }
     }
+}
+
+TEST(Focus, ScattersItsFluxAlsoInLongBeams) {
+    scene::FrameScene scene = flat_scene(0, 4);
+    scene.state.water->absorption = glm::dvec3(0);
+    scene.state.water->scattering = glm::dvec3(kThin);
+    scene.state.water->phase.type = scene::PhaseType::isotropic;
+    expect_all_flux_about_a_focus(scene);
+}
+
+TEST(Focus, ScattersItsFluxAlsoAmongBoundedMedia) {
+    scene::FrameScene scene = flat_scene(0, 4);
+    scene.state.water->absorption = scene.state.water->scattering = glm::dvec3(0);
+    scene::Medium& box = scene.state.media.emplace_back();
+    box.type = scene::MediumType::box;
+    box.size = glm::dvec3(100);
+    box.extinction = glm::dvec3(kThin);
+    box.albedo = glm::dvec3(1);
+    box.phase.type = scene::PhaseType::isotropic;
+    expect_all_flux_about_a_focus(scene);
 }
 
 TEST(Phase, IsTheSameFromATable) {
