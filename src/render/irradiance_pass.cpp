@@ -42,6 +42,7 @@ void IrradiancePass::run(std::span<const view::ReceiverLayer> layers,
     }
     find(coarse, found);
     std::vector<denoise::Irradiance> from;
+    from.reserve(found.size());
     for (methods::LayerResult& result : found)
         from.push_back({std::move(result.irradiance), std::move(result.covered)});
     std::vector<std::vector<std::size_t>> missing(layers.size());
