@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "layout/mesh_cell.h"
+#include "light/cascade_plan.h"
 #include "light/caustic_map.h"
 #include "light/landing.h"
 #include "media/media.h"
@@ -35,25 +36,24 @@ Support CausticMesh::supports_surface(const scene::FrameState& state) const {
 
 std::size_t CausticMesh::bytes(const scene::FrameState& state, std::size_t pixels) const {
     if (!state.water) return 0;
-    const glm::dvec2 size = state.water->extent.size;
-    const double side = state.caustics.map.map_resolution;
-    // Rays without the border, which is thin but for low suns: at most four times as many in all.
-    const double rays = side * side * std::min(size.x, size.y) / std::max(size.x, size.y);
+    // Without the border, which is thin but for low suns: at most four times as many in all. One map after
+    // another is drawn, landed and cut into cells.
+    const light::MapTexels rays = light::count_texels(state, state.caustics.map);
     constexpr double kMap = 16 + 4 + 36;  // surface, depth, rays
     const bool pictures = std::any_of(state.lights.begin(), state.lights.end(),
                                       [](const scene::Light& light) { return !light.texture.empty(); });
-    const double mesh = 12 + 12 + 4 + 4 + 1 + (pictures ? 12 : 0);
-    constexpr double kLanding = 4 + 12 + 4;
+    const double mesh = 12 + 12 + 4 + 4 + 4 + 1 + (pictures ? 12 : 0);
+    constexpr double kLanding = 4 + 12 + 4 + 1;
     // Cells of the paper's are triangles.
     const double cells = sizeof(layout::MeshCell) * (state.caustics.map.paper_faithful ? 2.0 : 1.0);
     const double events = 2 * static_cast<double>(state.lights.size());
     constexpr std::size_t kLayer = std::size_t{4} * 5 * 16;  // of four layers: in, receivers, irradiance
     // In double, held: maps of absurd size must not wrap around to a small number.
     constexpr double kMost = 0x1p61;
-    // Cells of one mesh in bands, then those of all on the device.
-    return static_cast<std::size_t>(std::min(
-        kMost,
-        rays * (kMap + 2 * mesh + kLanding + cells + events * cells) + static_cast<double>(pixels) * kLayer));
+    // Cells of one map in bands, then those of all on the device.
+    return static_cast<std::size_t>(std::min(kMost, rays.largest * (kMap + kLanding + cells) +
+                                                        rays.all * (2 * mesh + events * cells) +
+                                                        static_cast<double>(pixels) * kLayer));
 }
 
 void CausticMesh::begin(FrameContext& context) {
@@ -81,7 +81,7 @@ void CausticMesh::begin(FrameContext& context) {
                 caustic_mesh::build_cells(context.scene, media, mesh, landings, context.rays,
                                           context.device.largest_point_size(), map.paper_faithful);
             renderer.add(cells);
-            context.stats.count("cells cut at edges", static_cast<double>(cells.cut));
+            context.stats.count("cells cut", static_cast<double>(cells.cut));
             context.stats.count("cells widened", static_cast<double>(cells.widened));
             context.stats.count("triangles left out", static_cast<double>(cells.left_out));
         }

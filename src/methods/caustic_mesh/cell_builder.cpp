@@ -15,6 +15,8 @@ namespace {
 // Cells at edges are cut until they are half a pixel wide, or so many parts along each side.
 constexpr float kFinestPixels = 0.5f;
 constexpr float kMostParts = 8;
+// Share of the light by which the linear interpolation of cascades' shares may miss the bilinear one.
+constexpr float kShareTolerance = 2e-4f;
 
 /// Places of the corners of a cell, rows and columns.
 constexpr std::array<std::array<std::size_t, 2>, 4> kPlaces{{{0, 0}, {0, 1}, {1, 1}, {1, 0}}};
@@ -34,6 +36,7 @@ public:
         Corners corners;
         std::array<bool, 4> there{};
         bool lit = false, near_edge = false;
+        float twist = 0;
         for (std::size_t k = 0; k < 4; ++k) {
             const std::size_t r = row + kPlaces[k][0], c = column + kPlaces[k][1];
             if (r == 0 || c == 0 || r > mesh_.rows() || c > mesh_.columns()) continue;
@@ -41,6 +44,7 @@ public:
             there[k] = mesh_.mesh().valid[i] != 0;
             corners[k] = mesh_.ray(i);
             lit = lit || corners[k].flux > 0;
+            if (!mesh_.mesh().weight.empty()) twist += (k % 2 == 0 ? 1.0f : -1.0f) * mesh_.mesh().weight[i];
             near_edge = near_edge || mesh_.near_edge(i) || (mesh_.shadowed() && !(corners[k].flux > 0));
         }
         if (!lit) return;
@@ -50,8 +54,10 @@ public:
         if (!whole) {
             for (std::size_t k = 0; k < 4; ++k)
                 if (corners[k].landed()) lay_share_of(corners, k, 1, out);
-        } else if (near_edge) {
-            build_near_edge(corners, row - 1, column - 1, out);
+        } else if (near_edge || std::abs(twist) > 4 * kShareTolerance) {
+            // Where ramps of two directions cross, shares sum to one by bilinear interpolation.
+            const float parts = std::ceil(std::sqrt(std::abs(twist) / (4 * kShareTolerance)));
+            build_parts(corners, row - 1, column - 1, std::clamp(parts, 1.0f, kMostParts), out);
         } else {
             lay(corners, faces_of(corners), 1, out);
         }
@@ -103,7 +109,9 @@ private:
 
     /// Near edges of objects a cell is laid onto all faces that it lies beside in the picture, so that pixels
     /// at an edge have the light of all their part, and is cut into parts where it lands on several.
-    void build_near_edge(const Corners& corners, std::size_t row, std::size_t column, Out& out) const {
+    /// `least`: parts along each side.
+    void build_parts(const Corners& corners, std::size_t row, std::size_t column, float least,
+                     Out& out) const {
         Faces faces = faces_of(corners);
         Corners lit = corners;
         const bool in_shadow = light_up(lit);
@@ -114,7 +122,7 @@ private:
             for (std::size_t c = column - std::min(column, rings);
                  c <= std::min(mesh_.columns() - 1, column + 1 + rings); ++c)
                 faces.add(mesh_.ray(r * mesh_.columns() + c));
-        const std::size_t parts = even ? 1 : parts_of(corners, faces);
+        const auto parts = static_cast<std::size_t>(even ? least : std::max(least, parts_of(corners, faces)));
         if (parts == 1) {
             lay(corners, faces, 1, out);
             return;
@@ -204,13 +212,13 @@ private:
     }
 
     /// Into how many parts along each side a cell that lands on several faces is cut.
-    std::size_t parts_of(const Corners& corners, const Faces& faces) const {
+    float parts_of(const Corners& corners, const Faces& faces) const {
         float widest = 0;
         CellImage image;
         for (const MeshRay& on : faces)
             if (images_.on_plane(corners, on, 1, image) && drawing_.seen(image.cell))
                 widest = std::max(widest, drawing_.width(image.cell));
-        return static_cast<std::size_t>(std::clamp(std::ceil(widest / kFinestPixels), 1.0f, kMostParts));
+        return std::clamp(std::ceil(widest / kFinestPixels), 1.0f, kMostParts);
     }
 
     /// Where the corners landed, if that is one face, and on the planes of all others.

@@ -17,7 +17,7 @@ namespace dapple::methods::caustic_mesh {
 struct Cells {
     std::vector<std::vector<layout::MeshCell>> points;  ///< a band each
     std::vector<std::vector<layout::MeshCell>> quads;   ///< those wider than a point sprite can be
-    std::size_t cut = 0;       ///< cells of the map that were cut finer at edges of objects
+    std::size_t cut = 0;       ///< cells of the map that were cut finer, at edges of objects or of cascades
     std::size_t widened = 0;   ///< cells drawn wider than they are, of those in `points` and `quads`
     std::size_t left_out = 0;  ///< triangles of the paper's that have no image on one surface
 };
