@@ -11,9 +11,9 @@ using testing_tools::ScratchFolder;
 
 class DemoClip : public testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(Of, DemoClip,
-                         testing::Values("blender_ocean", "bridge", "cascades", "deep", "fog", "glass_mesh",
-                                         "glass_sphere", "gobo", "godrays", "pool", "poolside", "seabed",
-                                         "smoke"),
+                         testing::Values("blender_ocean", "bridge", "cascades", "deep", "denoise", "fog",
+                                         "glass_mesh", "glass_sphere", "gobo", "godrays", "pool", "poolside",
+                                         "seabed", "smoke"),
                          [](const auto& clip) { return std::string(clip.param); });
 
 TEST_P(DemoClip, IsClean) {
