@@ -158,7 +158,7 @@ enum class PhotonFootprint {
     fixed,                ///< its cell of the map, whatever the water does to the beam
     photon_differential,  ///< the cell spread by the derivatives of its ray
     photon_difference,    ///< the cell that its neighbours' rays span where they land
-    point,                ///< a pixel
+    point,                ///< a pixel; with paper_faithful scaled by the compression ratio (Gruen 2019)
 };
 
 struct PhotonSplattingParameters {

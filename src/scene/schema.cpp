@@ -304,7 +304,8 @@ const Structure& caustics_schema() {
                 "paper_faithful", FieldKind::boolean,
                 "as Kougianos and Moustakas 2021: hard borders, boxes in the light's frame that follow the "
                 "camera; of caustic_mesh as Ouyang and Yang 2020 too: triangles of one brightness, none at "
-                "edges of objects")
+                "edges of objects; of photon_splatting as the footprints' papers: drawn as a raster does, "
+                "held to receivers by depth")
                 .only_for(kMapMethods),
             choice<&Caustics::photon_splatting, &PhotonSplattingParameters::footprint>(
                 "footprint", {"tent", "fixed", "photon_differential", "photon_difference", "point"},

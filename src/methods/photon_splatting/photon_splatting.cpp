@@ -29,7 +29,9 @@ Support PhotonSplatting::supports_surface(const scene::FrameState& state) const 
     if (std::any_of(state.lights.begin(), state.lights.end(), [](const scene::Light& light) {
             return light.type == scene::LightType::sun && light.angular_diameter > 0;
         }))
-        reason += "; the sun's disc as a widening of the splats by its variance";
+        reason += splat_style(state.caustics).disc
+                      ? "; the sun's disc as a widening of the splats by its variance"
+                      : "; the sun's disc as a point";
     return {Support::Degree::partly, reason};
 }
 

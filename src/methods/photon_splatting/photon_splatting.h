@@ -5,10 +5,10 @@
 
 namespace dapple::methods {
 
-/// Photon splatting from a caustic map (Kougianos & Moustakas 2021, section 3) with footprints by photon
-/// differences (Ouyang & Yang 2020). The vertices of the beam meshes are photons; each lights the receivers
-/// about its landing point through a kernel that sums to one over the photon's lattice, so flat water comes
-/// out flat and flux is kept.
+/// Photon splatting from a caustic map (Kougianos & Moustakas 2021, section 3). The vertices of the beam
+/// meshes are photons; each lights the receivers about its landing point by a footprint that the timeline
+/// names (scene::PhotonFootprint, footprint.h). By default that is a kernel which sums to one over the
+/// photon's lattice, so flat water comes out flat and flux is kept.
 class PhotonSplatting final : public CausticMethod {
 public:
     PhotonSplatting();
