@@ -188,7 +188,8 @@ Ladder default_ladder(const std::string& method, const scene::FrameState& state)
         ladder.key = known.key;
         ladder.values.assign(known.values.begin(), known.values.end());
     }
-    if (method == "sliced_beams" && state.water && !ocean::is_flat(state.water->surface)) {
+    if (method == "sliced_beams" && state.water && !ocean::is_flat(state.water->surface) &&
+        !ocean::has_rings(*state.water)) {
         // Its error is the mesh's: about what the timeline itself resolves. Meshes from files bring their
         // own.
         const int cells = ocean::grid_size(*ocean::with_mesh_for_lamps(state).water).cells_x;

@@ -51,7 +51,7 @@ void ShadowRegion::mark(glm::dvec2 lower, glm::dvec2 upper) {
 }
 
 ShadowRegion::ShadowRegion(const scene::WaterMesh& water, const WaterLight& light)
-    : light_(light), everywhere_(water.rows == 0) {
+    : light_(light), everywhere_(water.rows == 0 && !water.one_sheet) {
     if (everywhere_) return;
     const scene::TriangleMesh& mesh = water.mesh;
     const auto visit_away = [&](std::size_t begin, std::size_t end, const auto& body) {

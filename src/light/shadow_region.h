@@ -13,8 +13,8 @@ namespace dapple::light {
 /// one triangle lies behind another, one of them faces away. So only points that project among triangles
 /// that face away can be hidden or hide. These are kept as marked cells of the light's projection: for a sun
 /// onto the rest plane, for a lamp the arc tangents of the slopes of the way from it, which keep boxes boxes.
-/// A mesh that is no grid may be several sheets, which hide each other though all face the light: any of its
-/// points may be hidden.
+/// A mesh that is neither a grid nor said to be one sheet may be several, which hide each other though all
+/// face the light: any of its points may be hidden.
 class ShadowRegion {
 public:
     ShadowRegion(const scene::WaterMesh& water, const WaterLight& light);

@@ -5,17 +5,26 @@
 #include <vector>
 
 #include "base/parallel.h"
+#include "ocean/lattice.h"
 
 namespace dapple::ocean {
-namespace {
+void WaterExtremes::add(const WaterVertex& vertex) {
+    height = std::max(height, std::abs(vertex.position.y));
+    displacement_squared = std::max(displacement_squared, vertex.displacement_squared);
+    folded += vertex.folded ? 1 : 0;
+}
 
-struct RowExtremes {
-    double height = 0;
-    double displacement_squared = 0;
-    std::size_t folded = 0;
-};
+void WaterExtremes::add(const WaterExtremes& others) {
+    height = std::max(height, others.height);
+    displacement_squared = std::max(displacement_squared, others.displacement_squared);
+    folded += others.folded;
+}
 
-}  // namespace
+void WaterExtremes::put(scene::WaterMesh& water) const {
+    water.largest_height = height;
+    water.largest_displacement = std::sqrt(displacement_squared);
+    water.folded_vertices = folded;
+}
 
 scene::WaterMesh grid_mesh(const scene::Extent& extent, const SurfaceGrid& grid, double choppiness) {
     scene::WaterMesh water;
@@ -28,38 +37,20 @@ scene::WaterMesh grid_mesh(const scene::Extent& extent, const SurfaceGrid& grid,
     mesh.normals.resize(rows * columns);
     mesh.triangles.resize(2 * (rows - 1) * (columns - 1));
 
-    const double* height = grid[Field::height].data();
-    const double* slope_x = grid[Field::slope_x].data();
-    const double* slope_z = grid[Field::slope_z].data();
-    std::vector<RowExtremes> extremes(rows);
+    std::vector<WaterExtremes> extremes(rows);
     parallel_for(rows, 8, [&](std::size_t begin, std::size_t end) {
         for (std::size_t row = begin; row < end; ++row) {
-            RowExtremes& extreme = extremes[row];
             const double z =
                 grid_coordinate(extent.center.y, extent.size.y, static_cast<int>(row), grid.rows - 1);
             for (std::size_t column = 0; column < columns; ++column) {
                 const std::size_t v = row * columns + column;
                 const double x = grid_coordinate(extent.center.x, extent.size.x, static_cast<int>(column),
                                                  grid.columns - 1);
-                glm::dvec3 position(x, height[v], z);
-                glm::dvec3 normal(-slope_x[v], 1, -slope_z[v]);
-                if (choppiness != 0) {
-                    const double dx = choppiness * grid[Field::displacement_x][v];
-                    const double dz = choppiness * grid[Field::displacement_z][v];
-                    position.x += dx;
-                    position.z += dz;
-                    const double xx = choppiness * grid[Field::displacement_xx][v];
-                    const double xz = choppiness * grid[Field::displacement_xz][v];
-                    const double zz = choppiness * grid[Field::displacement_zz][v];
-                    normal =
-                        glm::cross(glm::dvec3(xz, slope_z[v], 1 + zz), glm::dvec3(1 + xx, slope_x[v], xz));
-                    extreme.displacement_squared = std::max(extreme.displacement_squared, dx * dx + dz * dz);
-                    // normal.y is the Jacobian of the horizontal map.
-                    if (!(normal.y > 0)) ++extreme.folded;
-                }
-                mesh.positions[v] = position;
-                mesh.normals[v] = normal * (1 / std::sqrt(glm::dot(normal, normal)));
-                extreme.height = std::max(extreme.height, std::abs(position.y));
+                const WaterVertex vertex = water_vertex(
+                    x, z, [&](Field field) { return grid[field][v]; }, choppiness);
+                mesh.positions[v] = vertex.position;
+                mesh.normals[v] = vertex.normal;
+                extremes[row].add(vertex);
             }
             if (row + 1 == rows) continue;
             glm::uvec3* triangle = mesh.triangles.data() + 2 * row * (columns - 1);
@@ -71,12 +62,8 @@ scene::WaterMesh grid_mesh(const scene::Extent& extent, const SurfaceGrid& grid,
             }
         }
     });
-    for (const RowExtremes& extreme : extremes) {
-        water.largest_height = std::max(water.largest_height, extreme.height);
-        water.largest_displacement =
-            std::max(water.largest_displacement, std::sqrt(extreme.displacement_squared));
-        water.folded_vertices += extreme.folded;
-    }
+    for (std::size_t row = 1; row < rows; ++row) extremes[0].add(extremes[row]);
+    extremes[0].put(water);
     return water;
 }
 

@@ -16,14 +16,14 @@ bool is_smooth(int n) {
     return n == 1;
 }
 
+}  // namespace
+
 double shortest_wave(const scene::WaterSurface& surface) {
     if (surface.type == scene::WaterSurfaceType::spectrum) return surface.spectrum.cutoff_length;
     double shortest = surface.waves.waves.front().length;
     for (const scene::Wave& wave : surface.waves.waves) shortest = std::min(shortest, wave.length);
     return shortest;
 }
-
-}  // namespace
 
 int smooth_size_up(int n) {
     while (!is_smooth(n)) ++n;

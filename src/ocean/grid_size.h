@@ -26,11 +26,25 @@ struct GridSize {
     }
 };
 
+/// Sizes of a mesh.
+struct MeshCounts {
+    std::size_t vertices = 0;
+    std::size_t triangles = 0;
+};
+
 /// Whether the surface is `waves` or `spectrum` without any amplitude: exactly flat, whatever the mesh.
 bool is_flat(const scene::WaterSurface& surface);
 
-/// Cells of the mesh of `waves` and `spectrum` (a mesh_sequence brings its own mesh): `mesh_cells` along x
-/// and as many along z as make square cells, or 25 cells a shortest wave under a cap of 2.1 million
+/// Whether the mesh is nested rings about the camera (ocean/rings.h) rather than a regular grid.
+inline bool has_rings(const scene::Water& water) {
+    return water.rings.inner_size > 0 && water.surface.type != scene::WaterSurfaceType::mesh_sequence;
+}
+
+/// m, of `waves` (one at least) and `spectrum`, whatever their amplitudes.
+double shortest_wave(const scene::WaterSurface& surface);
+
+/// Cells of the regular grid of `waves` and `spectrum` (a mesh_sequence brings its own mesh): `mesh_cells`
+/// along x and as many along z as make square cells, or 25 cells a shortest wave under a cap of 2.1 million
 /// triangles; waves count whatever their amplitude, so that a keyed amplitude leaves the mesh alone. Flat
 /// water has 2 by 2 cells. Sizes of a spectrum are of the form 2^a 3^b 5^c, for the FFT: rounded up, or down
 /// where the cap would be passed. Error(timeline_invalid) beyond kTriangleLimit.

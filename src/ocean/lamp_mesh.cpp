@@ -69,7 +69,7 @@ double widest_beams(const scene::Light& lamp, const scene::Extent& extent) {
 }  // namespace
 
 scene::FrameState with_mesh_for_lamps(scene::FrameState state) {
-    if (!state.water || state.water->mesh_cells > 0 ||
+    if (!state.water || state.water->mesh_cells > 0 || has_rings(*state.water) ||
         state.water->surface.type == scene::WaterSurfaceType::mesh_sequence)
         return state;
     const scene::Extent& extent = state.water->extent;

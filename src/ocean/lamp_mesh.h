@@ -21,9 +21,9 @@ constexpr double kLeastDistance = 1.0 / 20;
 /// ocean::kDefaultTriangleCap triangles, but for the rounding of a spectrum's sizes. Cells follow the
 /// distance without steps, so that no frame of a lamp that moves is sharper than its neighbours by more than
 /// they differ in distance (a spectrum's sizes step by some per cent): waves and spectra are the same surface
-/// on any mesh, but for the second order of its cells. Unchanged where mesh_cells is given, the mesh is as
-/// fine already, or is read from files; lamps without intensity, and spots that do not reach the rest plane
-/// within the extent, count for nothing.
+/// on any mesh, but for the second order of its cells. Unchanged where mesh_cells or rings are given, the
+/// mesh is as fine already, or is read from files; lamps without intensity, and spots that do not reach the
+/// rest plane within the extent, count for nothing.
 scene::FrameState with_mesh_for_lamps(scene::FrameState state);
 
 }  // namespace dapple::ocean

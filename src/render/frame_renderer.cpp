@@ -8,8 +8,8 @@
 #include "base/parallel.h"
 #include "media/media.h"
 #include "methods/registry.h"
-#include "ocean/grid_size.h"
 #include "ocean/lamp_mesh.h"
+#include "ocean/water_surface.h"
 #include "rays/ray_scene.h"
 #include "render/albedo.h"
 #include "render/buffer_scale.h"
@@ -345,8 +345,8 @@ std::size_t FrameRenderer::State::other_bytes(const scene::FrameState& given) {
     if (count * a_pixel > largest) return static_cast<std::size_t>(largest);
     std::size_t sum = static_cast<std::size_t>(count * a_pixel);
     if (state.water && state.water->surface.type != scene::WaterSurfaceType::mesh_sequence) {
-        const ocean::GridSize grid = ocean::grid_size(*state.water);
-        sum += grid.vertices() * kWaterVertexBytes + grid.triangles() * kWaterTriangleBytes;
+        const ocean::MeshCounts mesh = ocean::mesh_counts(*state.water);
+        sum += mesh.vertices * kWaterVertexBytes + mesh.triangles * kWaterTriangleBytes;
     }
     const methods::CausticMethod& method = kept.method(state.caustics.method);
     return sum + method.bytes(state, static_cast<std::size_t>(count)) +

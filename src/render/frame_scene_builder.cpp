@@ -118,7 +118,9 @@ scene::FrameScene FrameSceneBuilder::build(const scene::FrameState& state) {
     // The camera's place on the water: floats are finest where the picture is.
     built.origin = {std::round(state.camera.position.x), 0, std::round(state.camera.position.z)};
     if (const std::optional<scene::Water>& water = built.state.water) {
-        built.water = std::make_shared<const scene::WaterMesh>(state_->surface_of(*water).mesh(state.time));
+        const glm::dvec2 viewpoint(state.camera.position.x, state.camera.position.z);
+        built.water =
+            std::make_shared<const scene::WaterMesh>(state_->surface_of(*water).mesh(state.time, viewpoint));
     }
     for (const scene::Object& object : state.objects) built.object_meshes.push_back(state_->mesh_of(object));
     for (const scene::Light& light : state.lights)

@@ -42,6 +42,24 @@ Heights object_heights(const scene::Object& object, const scene::TriangleMesh* m
     return {world_from_object[3].y - reach, world_from_object[3].y + reach};
 }
 
+/// How fine rings are, and which share of the waves' mean-square slope is left out from which distance on.
+std::string ring_text(const std::vector<scene::WaterRing>& rings) {
+    char text[160];
+    std::snprintf(text, sizeof text, ", %d rings about the camera, cells of %.3g m to %.3g m",
+                  static_cast<int>(rings.size()), rings.front().cell, rings.back().cell);
+    std::string all = text;
+    double before = 0;
+    for (const scene::WaterRing& ring : rings) {
+        if (!(ring.slope_left_out > before)) continue;
+        std::snprintf(text, sizeof text, "%s %.3g %% from %.4g m on",
+                      before > 0 ? "," : "; of the waves' mean-square slope it leaves out",
+                      100 * ring.slope_left_out, 0.5 * ring.size);
+        before = ring.slope_left_out;
+        all += text;
+    }
+    return all;
+}
+
 bool inside(const scene::Extent& extent, glm::dvec3 position) {
     const glm::dvec2 offset = glm::abs(glm::dvec2(position.x, position.z) - extent.center);
     return extent.kind == scene::ExtentKind::open_water ||
@@ -111,6 +129,7 @@ private:
             std::snprintf(cells, sizeof cells, ", %.1f cells", water.cells_per_shortest_wave);
             text += std::string(cells) + " a shortest wave";
         }
+        if (!water.rings.empty()) text += ring_text(water.rings);
         if (water.capped) text += ", capped: finer waves want mesh_cells";
         if (water.folded_vertices > 0) text += ", folded over itself in places";
         if (water.float_step > kCoarseFloats * water.mean_edge) {

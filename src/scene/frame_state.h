@@ -59,11 +59,19 @@ struct Extent {
     glm::dvec2 size{10, 10};  ///< along x, z [m]
 };
 
+/// The mesh of open water as nested square rings about the camera, each of cells twice as wide as those of
+/// the one inside it (ocean/rings.h).
+struct WaterRings {
+    double inner_size = 0;  ///< m, side of the innermost square; 0: no rings but a regular grid
+    int cells = 256;        ///< across each ring, its hole included; rounded up to a multiple of 4
+};
+
 struct Water {
     WaterSurface surface;
     Extent extent;
     /// Triangles of the mesh: cells along x; 0 picks 25 cells a shortest wave, at most 2.1 million triangles.
     int mesh_cells = 0;
+    WaterRings rings;  ///< of `waves` only; in place of mesh_cells
     double refractive_index = 1.333;
     /// Index at 450 nm less that at 650 nm (water: 0.0055), for light on its way to receivers: red has
     /// refractive_index - dispersion / 2, blue + dispersion / 2.

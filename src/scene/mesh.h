@@ -15,12 +15,24 @@ struct TriangleMesh {
     std::vector<glm::uvec3> triangles;  ///< counter-clockwise seen from outside
 };
 
+/// One ring of a mesh of nested rings.
+struct WaterRing {
+    double cell = 0;  ///< m, side of its cells, the longer one
+    double size = 0;  ///< m, side of the square that it ends with
+    /// Of the mean-square slope of all waves: what those have that are left out from there outwards.
+    double slope_left_out = 0;
+};
+
 /// The water surface at one instant: a height field or a choppy or read mesh. Normals point to the air.
 struct WaterMesh {
     TriangleMesh mesh;  ///< world space; triangles counter-clockwise seen from the air; normals always given
     /// Vertices of a regular grid, row-major (index = row * columns + column), rows along z; 0: not a grid.
     int rows = 0;
     int columns = 0;
+    std::vector<WaterRing> rings;  ///< the innermost first; empty: none
+    /// Whether the triangles are one height field without gaps, so that all parts that hide another face away
+    /// somewhere. Of grids it is taken for granted.
+    bool one_sheet = false;
     /// Heights never leave [-height_bound, height_bound], in all frames of the clip where that is known; m.
     double height_bound = 0;
     /// Largest horizontal displacement of a vertex off its grid point; m.

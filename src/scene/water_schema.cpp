@@ -159,6 +159,24 @@ const Structure& extent_schema() {
     return table;
 }
 
+const Structure& rings_schema() {
+    static const Structure table{
+        "rings",
+        {
+            number<&WaterRings::inner_size>("inner_size", Dimension::length, "side of the innermost square")
+                .above(0)
+                .constant()
+                .required(),
+            integral<&WaterRings::cells>("cells", FieldKind::integer,
+                                         "across each ring; in the next they are twice as wide")
+                .within(64, 4096),
+        },
+        "",
+        {},
+        nullptr};
+    return table;
+}
+
 }  // namespace
 
 const Structure& water_schema() {
@@ -174,6 +192,10 @@ const Structure& water_schema() {
                 "mesh_cells", FieldKind::integer,
                 "cells of the mesh along x; 0: 25 a shortest wave, at most 2.1 M triangles")
                 .within(0, kMost),
+            structure<&Water::rings>(
+                "rings", rings_schema(),
+                "in place of mesh_cells, for open water to the horizon: the mesh as nested squares about the "
+                "camera; waves shorter than 4 cells are left out; not given: a regular grid"),
             number<&Water::refractive_index>("refractive_index", Dimension::number,
                                              "of the water against air")
                 .within(1, 3),

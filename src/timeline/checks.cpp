@@ -31,6 +31,7 @@ public:
             check_medium(state.media[i], state.water.has_value(), join("media", i));
         if (state.water) {
             check_surface(state.water->surface);
+            check_rings(*state.water);
             check_dispersion(*state.water);
             check_phase(state.water->phase, "water.phase");
         }
@@ -146,6 +147,17 @@ private:
         const scene::MeshSequence& meshes = surface.mesh_sequence;
         if (surface.type == scene::WaterSurfaceType::mesh_sequence && meshes.last_file < meshes.first_file)
             fault(path + ".last_file", "comes before first_file, " + std::to_string(meshes.first_file));
+    }
+
+    void check_rings(const scene::Water& water) {
+        if (!(water.rings.inner_size > 0)) return;
+        if (water.surface.type == scene::WaterSurfaceType::mesh_sequence)
+            fault("water.rings", "a mesh_sequence brings its own mesh");
+        else if (water.surface.type == scene::WaterSurfaceType::spectrum)
+            fault("water.rings",
+                  "serve a surface of type waves only: a spectrum is found on a regular grid of its extent");
+        if (program_.given.count("water.mesh_cells") > 0)
+            fault("water.mesh_cells", "is of a regular grid; rings.cells says how fine rings are");
     }
 
     void check_dispersion(const scene::Water& water) {

@@ -5,6 +5,7 @@
 
 #include "base/parallel.h"
 #include "ocean/grid_mesh.h"
+#include "ocean/lattice.h"
 #include "ocean/reference.h"
 #include "ocean/spectrum.h"
 #include "ocean/water_surface.h"

@@ -172,6 +172,18 @@ TEST(Plan, TellsOfTheWaterWhatItsMeshLacks) {
               "itself in places");
 }
 
+TEST(Plan, TellsWhatRingsLeaveOut) {
+    const TellingMethod method(false);
+    scene::FrameScene scene = scene_of(pool());
+    auto water = std::make_shared<scene::WaterMesh>();
+    water->mesh.triangles.resize(200);
+    water->rings = {{0.1, 20, 0}, {0.2, 40, 0.125}, {0.4, 80, 0.125}, {0.8, 1e4, 0.5}};
+    scene.water = water;
+    EXPECT_EQ(line(render::make_plan(scene, method), "water surface").reason,
+              "200 triangles, 4 rings about the camera, cells of 0.1 m to 0.8 m; of the waves' mean-square "
+              "slope it leaves out 12.5 % from 20 m on, 50 % from 5000 m on");
+}
+
 TEST(Plan, LightsWithoutANameGoByTheirIndex) {
     scene::FrameState state = pool();
     state.lights[0].name.clear();

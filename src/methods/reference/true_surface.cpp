@@ -41,10 +41,11 @@ struct CellPlace {
     }
 };
 
-/// The water with a finer grid, where the frame's is coarser.
+/// The water with a finer grid, where the frame's is coarser; without rings, which leave out waves.
 scene::Water refined(const scene::Water& water) {
     scene::Water finer = water;
-    const ocean::GridSize size = ocean::grid_size(water);
+    finer.rings = {};
+    const ocean::GridSize size = ocean::grid_size(finer);
     if (!(size.cells_per_shortest_wave > 0)) return finer;
     const double wanted = kCellsPerWave / size.cells_per_shortest_wave;
     const double allowed = std::sqrt(kMostTriangles / static_cast<double>(size.triangles()));

@@ -14,7 +14,7 @@
 #include "methods/sliced_beams/scatter_tree.h"
 #include "methods/sliced_beams/sheet_coverage.h"
 #include "methods/sliced_beams/volume_light.h"
-#include "ocean/grid_size.h"
+#include "ocean/water_surface.h"
 
 namespace dapple::methods {
 
@@ -133,7 +133,7 @@ SheetCounts sheet_counts(const scene::FrameState& state, const scene::Light& lig
 
 std::size_t SlicedBeams::bytes(const scene::FrameState& state, std::size_t) const {
     if (!state.water || state.water->surface.type == scene::WaterSurfaceType::mesh_sequence) return 0;
-    const ocean::GridSize grid = ocean::grid_size(*state.water);
+    const ocean::MeshCounts mesh = ocean::mesh_counts(*state.water);
     using Pyramid = BeamPyramid<float>;
     double vertex = sizeof(light::BeamSheet<float>::Ray) + sizeof(float) + 1;
     // Pyramids: bounds at two depths and sums a cluster of beams, and a third of that again above it.
@@ -154,8 +154,8 @@ std::size_t SlicedBeams::bytes(const scene::FrameState& state, std::size_t) cons
     }
     // While beams are traced and paths counted: events of vertices, shares and flags of triangles; on the
     // device a copy of the rays and indices of corners.
-    const double vertices = static_cast<double>(grid.vertices()),
-                 triangles = static_cast<double>(grid.triangles());
+    const double vertices = static_cast<double>(mesh.vertices),
+                 triangles = static_cast<double>(mesh.triangles);
     const double depths = state.media.empty() ? 0 : 3 * sizeof(float);
     const double beside = (29 + depths) * vertices + 22 * triangles;
     return static_cast<std::size_t>(
@@ -175,11 +175,11 @@ std::size_t SlicedBeams::bytes_on(gpu::DeviceType type, const scene::FrameState&
         const bool below = light.type != scene::LightType::sun && light.position.y < 0;
         sheets += below ? counts.reflected : counts.transmitted;
     }
-    const ocean::GridSize grid = ocean::grid_size(*state.water);
+    const ocean::MeshCounts mesh = ocean::mesh_counts(*state.water);
     using sliced_beams::ScatterTree;
     return static_cast<std::size_t>(
-        std::min(0x1p61, sheets * (ScatterTree::bytes_a_vertex() * static_cast<double>(grid.vertices()) +
-                                   ScatterTree::bytes_a_beam() * static_cast<double>(grid.triangles()))));
+        std::min(0x1p61, sheets * (ScatterTree::bytes_a_vertex() * static_cast<double>(mesh.vertices) +
+                                   ScatterTree::bytes_a_beam() * static_cast<double>(mesh.triangles))));
 }
 
 namespace {
