@@ -251,6 +251,13 @@ private:
         return true;
     }
 
+    static std::string note_of(const CaseVerdict& verdict) {
+        std::string text = to_string(verdict.verdict) + ", " + verdict.reason;
+        if (verdict.scattered)
+            text += "; S " + to_string(verdict.scattered->verdict) + ", " + verdict.scattered->reason;
+        return text;
+    }
+
     bool hard_cases() {
         if (!case_files_.empty() && !options_.plan.settings.empty())
             reporter_.note("hard cases are rendered as they are, without --set");
@@ -260,8 +267,7 @@ private:
                 judge_hard_case(file, methods_, options_.folder + "/hard_cases/" + name, renderings_);
             if (renderings_.interrupted()) return false;
             for (const CaseVerdict& verdict : judged.verdicts)
-                reporter_.note(name + ", " + verdict.method + ": " + to_string(verdict.verdict) + ", " +
-                               verdict.reason);
+                reporter_.note(name + ", " + verdict.method + ": " + note_of(verdict));
             result_.hard_cases.push_back(std::move(judged));
         }
         return true;

@@ -227,7 +227,7 @@ ErrorJudge::ErrorJudge(run::OutputPaths reference, std::vector<std::int64_t> fra
     exposures_ = metrics::exposures_of(pointers);
 }
 
-ErrorJudge::Judged ErrorJudge::judge(const run::OutputPaths& run) const {
+ErrorJudge::Judged ErrorJudge::judge(const run::OutputPaths& run, const Pixels& wanted) const {
     const bool noise_known = !variance_.empty();
     Judged judged;
     Sums all, inside_only;
@@ -243,9 +243,10 @@ ErrorJudge::Judged ErrorJudge::judge(const run::OutputPaths& run) const {
         const std::vector<float> covered = coverage(reference, layer_);
         const std::vector<float> covered_by_us = coverage(ours, layer_);
         std::vector<bool> keep(pixels), keep_inside = inside_surfaces(reference);
+        const std::vector<bool> looked_at = wanted ? wanted(number) : std::vector<bool>(pixels, true);
         for (std::size_t i = 0; i < pixels; ++i) {
             covered_pixels += covered[i] > 0 ? 1 : 0;
-            keep[i] = covered[i] > 0 && covered[i] == covered_by_us[i];
+            keep[i] = covered[i] > 0 && covered[i] == covered_by_us[i] && looked_at[i];
             keep_inside[i] = keep_inside[i] && keep[i];
         }
         Picture a = masked(ours, layer_, keep), b = masked(reference, layer_, keep);
@@ -288,6 +289,7 @@ ErrorJudge::Judged ErrorJudge::judge(const run::OutputPaths& run) const {
     errors.l1 = all.share(all.mae);
     errors.l1_inside = inside_only.share(inside_only.mae);
     errors.bias = all.share(all.bias);
+    errors.bias_error = noise_known ? all.share(std::sqrt(variance_of_luminance)) : 0;
     errors.energy = metrics::share_of(light_sum - reference_light, reference_light);
     errors.flip = flip / static_cast<double>(frames_.size());
     errors.compared = covered_pixels > 0 ? counted / covered_pixels : 0;

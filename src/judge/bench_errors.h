@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -22,8 +23,9 @@ struct ClipErrors {
     double block_rmse = 0;  ///< of means over 4 x 4 pixels
     double block_rmse_less_noise = 0;
     double bias = 0;
-    double energy = 0;  ///< light over the whole picture, covered or not, less the reference's
-    double flip = 0;    ///< HDR-FLIP of R, G, B: mean over pixels and frames
+    double bias_error = 0;  ///< standard error of the bias by the reference's noise, pixels independent
+    double energy = 0;      ///< light over the whole picture, covered or not, less the reference's
+    double flip = 0;        ///< HDR-FLIP of R, G, B: mean over pixels and frames
     /// Mean over frames with both neighbours and pixels of (D_t - (D_(t-1) + D_(t+1)) / 2)^2, D the
     /// difference of luminance, over the squared mean of the run's own (metrics/flicker_track.h); none where
     /// no three frames follow each other.
@@ -71,7 +73,9 @@ public:
         ClipErrors errors;
         ErrorMap map;  ///< of the frame in the middle of the set
     };
-    Judged judge(const run::OutputPaths& run) const;
+    /// `pixels`: of a frame, those that are looked at but for `energy`; empty: all.
+    using Pixels = std::function<std::vector<bool>(std::int64_t frame)>;
+    Judged judge(const run::OutputPaths& run, const Pixels& pixels = {}) const;
     const ReferenceNoise& noise() const { return noise_; }
     const metrics::Exposures& exposures() const { return exposures_; }
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <map>
+#include <string_view>
 
 #include "base/error.h"
 #include "judge/bench_plan.h"
@@ -15,6 +17,8 @@ namespace dapple::judge {
 namespace {
 
 constexpr const char* kReference = "caustics={method: reference, standard_error: 0.05, most_rays: 30}";
+
+constexpr const char* kScatteringPass = "volume caustics";  ///< of a plan
 
 constexpr double kWhole = 0.999;  ///< share of the reference's pixels: up to edges, where samples differ
 
@@ -42,12 +46,13 @@ struct CaseRun {
         for (const auto& [number, frame] : manifest->frames) sum += frame.non_finite;
         return sum;
     }
-    /// The passes that were done partly, with their reasons.
-    std::string partly() const {
+    /// The passes whose names begin so that were done partly, with their reasons.
+    std::string partly(std::string_view pass) const {
         std::vector<std::string> reasons;
         for (const auto& [number, frame] : manifest->frames)
             for (const std::string& reason : frame.partly)
-                if (std::find(reasons.begin(), reasons.end(), reason) == reasons.end())
+                if (reason.starts_with(pass) &&
+                    std::find(reasons.begin(), reasons.end(), reason) == reasons.end())
                     reasons.push_back(reason);
         std::string text;
         for (const std::string& reason : reasons) text += (text.empty() ? "" : "; ") + reason;
@@ -56,13 +61,30 @@ struct CaseRun {
     run::OutputPaths paths() const { return {folder, manifest->clip.name}; }
 };
 
-/// Light that the stats of a clip name as lost on its way, W.
-double lost_in(const run::OutputPaths& paths) {
-    double lost = 0;
+/// Counts of the stats of a clip, summed up.
+std::map<std::string, double> counts_in(const run::OutputPaths& paths) {
+    std::map<std::string, double> counts;
     for (const auto& [number, frame] : read_frames(paths.stats()))
-        for (const auto& [name, amount] : frame.counts)
-            if (name.starts_with("lost ")) lost += amount;
+        for (const auto& [name, amount] : frame.counts) counts[name] += amount;
+    return counts;
+}
+
+/// Light that counts name as lost on its way, W.
+double lost_in(const std::map<std::string, double>& counts) {
+    double lost = 0;
+    for (const auto& [name, amount] : counts)
+        if (name.starts_with("lost ")) lost += amount;
     return lost;
+}
+
+/// Standard error of the light that a reference's frames scatter, a share of it: the largest.
+double scattered_error(const run::OutputPaths& paths) {
+    double most = 0;
+    for (const auto& [number, frame] : read_frames(paths.stats())) {
+        const auto found = frame.counts.find("reference volume standard error of all light");
+        if (found != frame.counts.end()) most = std::max(most, found->second);
+    }
+    return most;
 }
 
 /// Light paths that the plan leaves out, with its reasons: lines such as "sun > water:T  no  because".
@@ -79,6 +101,18 @@ std::string left_out(const std::vector<std::string>& plan) {
     return text;
 }
 
+/// Verdict on a run without S: named where the plan says why.
+ScatteredVerdict left_out_scattering(const std::vector<std::string>& plan) {
+    ScatteredVerdict verdict{Verdict::fails, "no S: no plan says why", -1, 1};
+    for (const std::string& line : plan) {
+        const std::size_t pass = line.find(kScatteringPass), no = line.find("  no  ");
+        if (pass == std::string::npos || no == std::string::npos) continue;
+        verdict.verdict = Verdict::named;
+        verdict.reason = "no S; the plan says: " + line.substr(line.find_first_not_of(' ', no + 6));
+    }
+    return verdict;
+}
+
 /// Verdict on a run that ended well, by a reference that did too. `plan` gives why light paths are left out.
 template <class Plan>
 void compare(CaseVerdict& verdict, const CaseRun& run, const ErrorJudge& judge, const Plan& plan) {
@@ -89,7 +123,7 @@ void compare(CaseVerdict& verdict, const CaseRun& run, const ErrorJudge& judge, 
     verdict.reason = "light " + change(errors.energy) + " of ±" + percent(tolerance) + " %, L1 " +
                      percent(errors.l1) + " %";
     if (std::abs(errors.energy) <= tolerance) {
-        verdict.verdict = CaseVerdict::Verdict::holds;
+        verdict.verdict = Verdict::holds;
         return;
     }
     // What a plan says of receivers explains light that is missing because they are left out; where the
@@ -98,33 +132,30 @@ void compare(CaseVerdict& verdict, const CaseRun& run, const ErrorJudge& judge, 
     std::string why;
     if (errors.compared == 0) {
         why = left_out(plan());
-        if (why.empty()) why = run.partly();
+        if (why.empty()) why = run.partly("");
     } else if (errors.compared < kWhole) {
         const double there = energy_tolerance(judge.noise(), errors.compared);
         verdict.reason += ", where it answers " + change(errors.bias) + " of ±" + percent(there) + " %";
-        if (std::abs(errors.bias) <= there) why = run.partly();
+        if (std::abs(errors.bias) <= there) why = run.partly("");
     }
     if (why.empty()) {
         verdict.reason += ": no plan says why";
     } else {
-        verdict.verdict = CaseVerdict::Verdict::named;
+        verdict.verdict = Verdict::named;
         verdict.reason += "; the plan says: " + why;
     }
 }
 
-}  // namespace
-
-std::string to_string(CaseVerdict::Verdict verdict) {
-    switch (verdict) {
-        case CaseVerdict::Verdict::holds:
-            return "holds";
-        case CaseVerdict::Verdict::named:
-            return "named";
-        case CaseVerdict::Verdict::fails:
-            break;
-    }
-    return "fails";
+/// Verdict on S. That a method knows no media is asked of its plan where there is none of it.
+template <class Plan>
+ScatteredVerdict scattered_of(const CaseRun& run, const ErrorJudge& judge, const ScatteredEvidence& evidence,
+                              const Plan& plan) {
+    if (!has_layer(run.paths(), run.frames.front(), kScatteredLayer)) return left_out_scattering(plan());
+    const ScatteredVerdict verdict = judge_scattered(judge, run.paths(), evidence);
+    return verdict.energy > -1 ? verdict : left_out_scattering(plan());
 }
+
+}  // namespace
 
 std::vector<std::string> hard_case_files(const std::string& folder) {
     std::vector<std::string> files;
@@ -163,10 +194,12 @@ HardCase judge_hard_case(const std::string& timeline, const std::vector<std::str
 
     const CaseRun reference = run("reference");
     if (renderings.interrupted()) return result;
-    std::optional<ErrorJudge> judge;
+    std::optional<ErrorJudge> judge, scatter_judge;
     if (reference.manifest) {
-        judge.emplace(reference.paths(), reference.frames, "E",
-                      timeline::Timeline::load(timeline, overrides_of("reference")).clip().samples);
+        const int samples = timeline::Timeline::load(timeline, overrides_of("reference")).clip().samples;
+        judge.emplace(reference.paths(), reference.frames, "E", samples);
+        if (has_layer(reference.paths(), reference.frames.front(), kScatteredLayer))
+            scatter_judge.emplace(reference.paths(), reference.frames, kScatteredLayer, samples);
         const double noise = judge->noise().rmse.value_or(0);
         result.reference = judge->noise().mean > 0 ? "noise " + percent(noise) + " % a pixel" : "dark";
     } else {
@@ -183,17 +216,26 @@ HardCase judge_hard_case(const std::string& timeline, const std::vector<std::str
             const bool input = made.end.exit_code == static_cast<int>(ExitCode::timeline_invalid) ||
                                made.end.exit_code == static_cast<int>(ExitCode::input_unreadable);
             const bool alike = made.end.signal == 0 && input && made.end.exit_code == reference.end.exit_code;
-            if (alike) verdict.verdict = CaseVerdict::Verdict::holds;
+            if (alike) verdict.verdict = Verdict::holds;
             verdict.reason = (alike ? "refused by all, exit " : "exit ") +
                              std::to_string(made.end.exit_code) + ": " + made.end.error;
         } else {
-            verdict.lost = lost_in(made.paths());
+            const std::map<std::string, double> counts = counts_in(made.paths());
+            verdict.lost = lost_in(counts);
             verdict.non_finite = made.non_finite();
             if (verdict.non_finite > 0) {
                 verdict.reason = std::to_string(verdict.non_finite) + " values were NaN or infinite";
             } else if (judge) {
                 compare(verdict, made, *judge,
                         [&] { return renderings.plan(timeline, overrides_of(method)); });
+                if (scatter_judge) {
+                    const auto loaded = timeline::Timeline::load(timeline, overrides_of(method));
+                    verdict.scattered = scattered_of(
+                        made, *scatter_judge,
+                        {scattered_error(reference.paths()), counts, made.partly(kScatteringPass),
+                         [&](std::int64_t frame) { return seen_straight(loaded.at(frame)); }},
+                        [&] { return renderings.plan(timeline, overrides_of(method)); });
+                }
             } else {
                 verdict.reason = "no reference: " + result.reference;
             }

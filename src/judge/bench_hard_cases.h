@@ -1,31 +1,28 @@
 #pragma once
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "judge/bench_errors.h"
 #include "judge/bench_runs.h"
+#include "judge/bench_scattered.h"
 
 namespace dapple::judge {
 
 /// How a method did in a hard case.
 struct CaseVerdict {
-    enum class Verdict {
-        holds,  ///< whole, finite, and its light is the reference's
-        named,  ///< the same where it answers; the plan says which receivers or light paths it leaves out
-        fails,
-    };
     std::string method;
-    Verdict verdict = Verdict::fails;
-    std::string reason;  ///< one line, with its number
+    Verdict verdict = Verdict::fails;  ///< of the process, of values that are not finite, and of E
+    std::string reason;                ///< one line, with its number
     int exit_code = 0;
     std::size_t non_finite = 0;  ///< values
     double energy = 0;           ///< light of E over the picture less the reference's, a share
     double l1 = 0;               ///< relative, over pixels that both cover
     double lost = 0;             ///< W that the stats name as lost on the way
     double wall_s = 0;           ///< of the process
+    /// Where the timeline has media that scatter.
+    std::optional<ScatteredVerdict> scattered = {};
 };
-
-std::string to_string(CaseVerdict::Verdict verdict);
 
 struct HardCase {
     std::string name;         ///< of the file
@@ -42,9 +39,8 @@ std::vector<std::string> hard_case_files(const std::string& folder);
 HardCase judge_hard_case(const std::string& timeline, const std::vector<std::string>& methods,
                          const std::string& folder, Renderings& renderings);
 
-/// Light that a method may lose or gain against the reference: 1 %, beside three standard errors of the sum
-/// over the pixels that are covered, or over a `share` of these.
-inline constexpr double kEnergyTolerance = 0.01;
+/// Light of E that a method may lose or gain against the reference: kEnergyTolerance, beside three standard
+/// errors of the sum over the pixels that are covered, or over a `share` of these.
 double energy_tolerance(const ReferenceNoise& noise, double share = 1);
 
 }  // namespace dapple::judge

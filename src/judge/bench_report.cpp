@@ -246,25 +246,32 @@ void add_hard_cases(HtmlPage& page, const BenchResult& result) {
     std::vector<std::vector<Cell>> rows;
     for (const HardCase& hard : result.hard_cases) {
         for (const CaseVerdict& verdict : hard.verdicts) {
-            const Tone tone = verdict.verdict == CaseVerdict::Verdict::holds   ? Tone::good
-                              : verdict.verdict == CaseVerdict::Verdict::named ? Tone::plain
-                                                                               : Tone::bad;
-            rows.push_back({{hard.name + ": " + hard.description},
-                            {verdict.method},
-                            {to_string(verdict.verdict), tone},
-                            {verdict.reason},
-                            {formatted("%.3g", verdict.lost)},
-                            {formatted("%.1f", verdict.wall_s)},
-                            {hard.reference}});
+            const auto add = [&](const char* of, Verdict which, const std::string& reason) {
+                const Tone tone = which == Verdict::holds   ? Tone::good
+                                  : which == Verdict::named ? Tone::plain
+                                                            : Tone::bad;
+                rows.push_back({{hard.name + ": " + hard.description},
+                                {verdict.method},
+                                {of},
+                                {to_string(which), tone},
+                                {reason},
+                                {formatted("%.3g", verdict.lost)},
+                                {formatted("%.1f", verdict.wall_s)},
+                                {hard.reference}});
+            };
+            add("E", verdict.verdict, verdict.reason);
+            if (verdict.scattered) add("S", verdict.scattered->verdict, verdict.scattered->reason);
         }
     }
-    page.table({"case", "method", "verdict", "why", "lost by name, W", "s", "reference"}, rows);
+    page.table({"case", "method", "of", "verdict", "why", "lost by name, W", "s", "reference"}, rows);
     page.paragraph(
         "A case holds where the process ends well, no value is NaN or infinite, and the light of E over "
         "the picture is the reference's within " +
         percent(kEnergyTolerance) +
         " % and three standard errors of the reference; or where the input is refused by all, the "
-        "reference too. “Named”: so where it answers, and the plan says what it leaves out.");
+        "reference too. “Named”: so where it answers, and the plan says what it leaves out. S, light that "
+        "media scatter, is judged by its sum over the picture in the same way; light of S that is missing is "
+        "named, too, where the stats name as large a share of the light as lost by the method's own fault.");
 }
 
 }  // namespace

@@ -123,6 +123,12 @@ Json to_json(const HardCase& hard) {
                             {"l1", json_number(verdict.l1)},
                             {"lost_w", verdict.lost},
                             {"wall_s", verdict.wall_s}});
+        if (!verdict.scattered) continue;
+        const ScatteredVerdict& s = *verdict.scattered;
+        verdicts.back()["scattered"] = {{"verdict", to_string(s.verdict)},
+                                        {"reason", s.reason},
+                                        {"energy", json_number(s.energy)},
+                                        {"l1", json_number(s.l1)}};
     }
     return {{"name", hard.name},
             {"description", hard.description},
@@ -252,10 +258,14 @@ std::string bench_json(const BenchResult& result) {
 
 std::vector<std::string> case_failures(const BenchResult& result) {
     std::vector<std::string> lines;
-    for (const HardCase& hard : result.hard_cases)
-        for (const CaseVerdict& verdict : hard.verdicts)
-            if (verdict.verdict == CaseVerdict::Verdict::fails)
-                lines.push_back(hard.name + ", " + verdict.method + " fails: " + verdict.reason);
+    for (const HardCase& hard : result.hard_cases) {
+        for (const CaseVerdict& verdict : hard.verdicts) {
+            const std::string what = hard.name + ", " + verdict.method;
+            if (verdict.verdict == Verdict::fails) lines.push_back(what + " fails: " + verdict.reason);
+            if (verdict.scattered && verdict.scattered->verdict == Verdict::fails)
+                lines.push_back(what + " fails in S: " + verdict.scattered->reason);
+        }
+    }
     return lines;
 }
 
@@ -303,6 +313,9 @@ std::string bench_text(const BenchResult& result) {
         for (const CaseVerdict& verdict : hard.verdicts) {
             ++verdicts;
             ++counts[static_cast<int>(verdict.verdict)];
+            if (!verdict.scattered) continue;
+            ++verdicts;
+            ++counts[static_cast<int>(verdict.scattered->verdict)];
         }
     }
     if (verdicts > 0) {

@@ -22,10 +22,11 @@ constexpr int kWidth = 8, kHeight = 4;
 
 /// What a frame of the made-up clip shows.
 struct Shown {
-    float light = 1;       ///< E, and R, G, B
-    float variance = 0;    ///< of E's channels
-    int columns = kWidth;  ///< so many are covered, from the left
-    float scattered = 0;   ///< S, in all columns; 0: there is no such layer
+    float light = 1;             ///< E, and R, G, B
+    float variance = 0;          ///< of E's channels
+    int columns = kWidth;        ///< so many are covered, from the left
+    float scattered = 0;         ///< S, in all columns; 0: there is no such layer
+    float scattered_right = -1;  ///< S in the right half, where it is another
     float scattered_variance = 0;
 };
 
@@ -49,7 +50,10 @@ image::Image picture_of(const Shown& shown) {
     }
     if (shown.scattered > 0) {
         for (const char* c : {"R", "G", "B"}) {
-            add(std::string("volume_caustics.") + c, [&](int, int) { return shown.scattered; });
+            add(std::string("volume_caustics.") + c, [&](int x, int) {
+                return shown.scattered_right >= 0 && x >= kWidth / 2 ? shown.scattered_right
+                                                                     : shown.scattered;
+            });
             add(std::string("S.variance.") + c, [&](int, int) { return shown.scattered_variance; });
         }
     }
@@ -153,6 +157,67 @@ TEST_F(ErrorJudgeTest, ScatteredLightIsOfAllPixelsAndHasANoiseOfItsOwn) {
     EXPECT_EQ(errors.compared, 1);
     EXPECT_TRUE(has_layer(run, 1, kScatteredLayer));
     EXPECT_FALSE(has_layer(clip("clear", {{}}), 1, kScatteredLayer));
+}
+
+/// A reference whose S is 1, with hardly any noise, and a verdict on runs by it.
+class ScatteredVerdictTest : public ErrorJudgeTest {
+protected:
+    static constexpr Shown kTruth{.light = 1, .scattered = 1, .scattered_variance = 1e-8f};
+    ScatteredVerdict verdict(const Shown& shown, ScatteredEvidence evidence = {}) {
+        const ErrorJudge judge(clip("reference", {kTruth}), {1}, kScatteredLayer, 1);
+        evidence.answered = [](std::int64_t) {
+            std::vector<bool> left(static_cast<std::size_t>(kWidth * kHeight));
+            for (std::size_t i = 0; i < left.size(); ++i) left[i] = i % kWidth < kWidth / 2;
+            return left;
+        };
+        return judge_scattered(judge, clip("run", {shown}), evidence);
+    }
+};
+
+TEST_F(ScatteredVerdictTest, DarkScatteredLightFailsThoughEIsRight) {
+    const Shown dark{.light = 1, .scattered = 0.97f};
+    const ErrorJudge of_surfaces(clip("reference", {kTruth}), {1}, "E", 1);
+    EXPECT_LE(std::abs(of_surfaces.judge(clip("run", {dark})).errors.energy),
+              energy_tolerance(of_surfaces.noise()));
+    const ScatteredVerdict failed = verdict(dark);
+    EXPECT_EQ(failed.verdict, Verdict::fails);
+    EXPECT_NEAR(failed.energy, -0.03, 1e-6);
+    EXPECT_THAT(failed.reason, testing::HasSubstr("S -3.00 % of ±1.00 %"));
+    EXPECT_EQ(verdict({.light = 1, .scattered = 1.03f}).verdict, Verdict::fails);
+    EXPECT_EQ(verdict({.light = 1, .scattered = 0.995f}).verdict, Verdict::holds);
+    // What the reference's own standard error allows: 1 % and three times 0.7 %.
+    EXPECT_EQ(verdict(dark, {.reference_error = 0.007}).verdict, Verdict::holds);
+    EXPECT_EQ(verdict(dark, {.reference_error = 0.006}).verdict, Verdict::fails);
+}
+
+TEST_F(ScatteredVerdictTest, LossesOfTheMethodsOwnAccountForMissingLight) {
+    const Shown dark{.light = 1, .scattered = 0.9f};
+    const auto with = [](const char* loss, double watts) {
+        return ScatteredEvidence{.counts = {{"light on specular surfaces, W", 50}, {loss, watts}}};
+    };
+    EXPECT_EQ(verdict(dark, with("lost in weak beams, W", 4.6)).verdict, Verdict::named);
+    EXPECT_THAT(verdict(dark, with("lost in weak beams, W", 4.6)).reason, testing::HasSubstr("9.20 %"));
+    // 10 % are missing, of which 1 % may be.
+    EXPECT_EQ(verdict(dark, with("lost in weak beams, W", 4.4)).verdict, Verdict::fails);
+    // The reference does not have what no method could keep, either.
+    EXPECT_EQ(verdict(dark, with("lost beyond the scene, W", 25)).verdict, Verdict::fails);
+    // Losses are no excuse for light that is too much.
+    EXPECT_EQ(verdict({.light = 1, .scattered = 1.1f}, with("lost in weak beams, W", 10)).verdict,
+              Verdict::fails);
+    EXPECT_EQ(lost_by_method({{"lost at silhouettes, W", 1}, {"lost outside cones, W", 2}, {"beams", 3}}), 1);
+}
+
+TEST_F(ScatteredVerdictTest, WhatThePlanLeavesOutIsNamedWhereTheRestHolds) {
+    const ScatteredEvidence plan{.plan = "not behind water"};
+    const ScatteredVerdict named = verdict({.light = 1, .scattered = 1, .scattered_right = 0.2f}, plan);
+    EXPECT_EQ(named.verdict, Verdict::named);
+    EXPECT_THAT(named.reason, testing::HasSubstr("not behind water"));
+    EXPECT_EQ(verdict({.light = 1, .scattered = 0.97f, .scattered_right = 0.2f}, plan).verdict,
+              Verdict::fails);
+    EXPECT_EQ(verdict({.light = 1, .scattered = 1, .scattered_right = 0.2f}).verdict, Verdict::fails)
+        << "no plan says so";
+    EXPECT_EQ(verdict({.light = 1, .scattered = 1, .scattered_right = 1.2f}, plan).verdict, Verdict::fails)
+        << "a plan explains no light that is too much";
 }
 
 TEST_F(ErrorJudgeTest, ASumOverFewCoveredPixelsMayBeOffByMore) {

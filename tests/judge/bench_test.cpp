@@ -256,9 +256,10 @@ BenchResult made_up_result() {
         {"case",
          "what <it> is",
          "dark",
-         {{"sliced_beams", CaseVerdict::Verdict::fails, "2 values"},
-          {"reference", CaseVerdict::Verdict::named, "the plan says it"}}},
-        {"other", "", "dark", {{"sliced_beams", CaseVerdict::Verdict::holds, "light right"}}}};
+         {{"sliced_beams", Verdict::fails, "2 values"}, {"reference", Verdict::named, "the plan says it"}}},
+        {"other", "", "dark", {{"sliced_beams", Verdict::holds, "light right"}}}};
+    result.hard_cases[1].verdicts[0].scattered =
+        ScatteredVerdict{Verdict::fails, "S <too> dark", -0.03, 0.03};
     result.provenance = {{"command", "dapple bench"}};
     return result;
 }
@@ -272,10 +273,14 @@ TEST(Report, HoldsAllFigures) {
     EXPECT_THAT(bench_text(result), HasSubstr("1.265 s"));
     const std::string json = bench_json(result);
     EXPECT_THAT(json, HasSubstr("\"not_reached\""));
-    EXPECT_EQ(case_failures(result), (std::vector<std::string>{"case, sliced_beams fails: 2 values"}));
+    EXPECT_EQ(case_failures(result),
+              (std::vector<std::string>{"case, sliced_beams fails: 2 values",
+                                        "other, sliced_beams fails in S: S <too> dark"}));
+    EXPECT_THAT(html, HasSubstr("S &lt;too&gt; dark"));
+    EXPECT_THAT(json, HasSubstr("\"S <too> dark\""));
     EXPECT_THAT(bench_text(result), HasSubstr("case, sliced_beams fails: 2 values"));
     EXPECT_THAT(bench_text(result),
-                HasSubstr("2 hard cases, 3 verdicts: 1 hold, 1 differ as the plan says, 1 fail"));
+                HasSubstr("2 hard cases, 4 verdicts: 1 hold, 1 differ as the plan says, 2 fail"));
     // As many fields in every line of the table, whatever the run.
     const std::string csv = bench_csv(result);
     std::vector<long> commas;

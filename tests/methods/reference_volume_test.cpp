@@ -60,6 +60,32 @@ TEST(ReferenceVolume, FlatWaterToAQuarterOfAPercent) {
     EXPECT_NEAR(result.irradiance[0].y, exact, 3 * 0.0025 * exact);
 }
 
+TEST(ReferenceVolume, TellsTheErrorOfTheSumOverThePixels) {
+    // A ray of light is scattered in many pixels, so that the pixels' own variances do not tell it.
+    std::vector<double> sums;
+    double told = 0;
+    constexpr int kRuns = 12;
+    for (int run = 0; run < kRuns; ++run) {
+        scene::FrameState state = water_with_eye({0.1, -0.8, 0.2}, {0.2, -0.3, -1}, 8, 6);
+        state.clip.seed = static_cast<std::uint64_t>(run);
+        state.caustics.reference = {0.3, 100};
+        VolumeFrame frame(state);
+        const LayerResult result = frame.scatter();
+        double sum = 0;
+        for (const glm::vec3& pixel : result.irradiance)
+            sum += static_cast<double>(pixel.x) + static_cast<double>(pixel.y) + static_cast<double>(pixel.z);
+        sums.push_back(sum);
+        told += std::pow(frame.stats.counted("reference volume standard error of all light"), 2) / kRuns;
+    }
+    double mean = 0, variance = 0;
+    for (const double sum : sums) mean += sum / kRuns;
+    for (const double sum : sums) variance += std::pow(sum / mean - 1, 2) / (kRuns - 1);
+    // Chi squared over its 11 degrees of freedom lies between 0.17 and 3.1 but once in a thousand times.
+    std::printf("told %.5f, found %.5f\n", std::sqrt(told), std::sqrt(variance));
+    EXPECT_GT(variance / told, 0.17);
+    EXPECT_LT(variance / told, 3.1);
+}
+
 TEST(ReferenceVolume, ThroughFlatWaterFromTheAir) {
     // Beams of refracted paths. Radiance scales by T / n^2 on its way out.
     scene::FrameState state = water_with_eye({0.1, 1.2, 0.2}, {0.3, -1, -0.2}, 12, 9);

@@ -1,5 +1,6 @@
 #pragma once
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 #include "base/error.h"
@@ -23,6 +24,8 @@ struct Reference::State {
     double passes = 0;                       ///< in it
     double saved_at = 0;                     ///< s
     std::vector<DataLayer> in_scatter_data;  ///< of the last layer of segments
+    double scattered = 0;                    ///< S summed up over the pixels of all layers, and channels
+    double scattered_variance = 0;           ///< of it
 
     /// Seconds between two writes of the checkpoint.
     static constexpr double kSavePeriod = 20;
@@ -31,6 +34,16 @@ struct Reference::State {
         account.add(pass);
         passes += 1;
     }
+    /// A layer's sum of S and its variance. Channels' light is that of the same rays, so that their errors
+    /// add; layers are traced by rays of their own.
+    void add_scattered(const glm::dvec3& sum, const glm::dvec3& variance) {
+        const glm::dvec3 error = glm::sqrt(variance);
+        scattered += sum.x + sum.y + sum.z;
+        const double all = error.x + error.y + error.z;
+        scattered_variance += all * all;
+    }
+    /// Standard error of that sum, a share of it.
+    double scattered_error() const { return scattered > 0 ? std::sqrt(scattered_variance) / scattered : 0; }
     /// Light that is dropped, W, mean over the passes.
     void count_losses(FrameStats& stats) const {
         const auto set = [&](const char* name, double sum) {

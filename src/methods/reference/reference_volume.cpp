@@ -14,24 +14,27 @@ using reference::RoundEstimate;
 
 namespace {
 
-/// S of all segments, then what the pixels receive of them.
+/// S of all segments, the sum over all pixels, whose errors go together where they see the same rays, and
+/// what each pixel receives.
 std::vector<glm::dvec3> values_of(const view::SegmentLayer& layer, std::vector<glm::dvec3> radiance) {
-    const std::size_t segments = radiance.size();
-    radiance.resize(segments + layer.first.size() - 1, glm::dvec3(0));
+    const std::size_t sum = radiance.size(), first = sum + 1;
+    radiance.resize(first + layer.first.size() - 1, glm::dvec3(0));
     for (std::size_t pixel = 0; pixel + 1 < layer.first.size(); ++pixel) {
         for (std::size_t i = layer.first[pixel]; i < layer.first[pixel + 1]; ++i)
-            radiance[segments + pixel] += glm::dvec3(layer.throughput[i]) * radiance[i];
+            radiance[first + pixel] += glm::dvec3(layer.throughput[i]) * radiance[i];
+        radiance[sum] += radiance[first + pixel];
     }
     return radiance;
 }
 
-std::vector<DataLayer> variances(const RoundEstimate& estimate, std::size_t segments) {
+/// Of the pixels, whose values begin at `first`.
+std::vector<DataLayer> variances(const RoundEstimate& estimate, std::size_t first) {
     std::vector<DataLayer> data;
-    const std::size_t pixels = estimate.mean.size() - segments;
+    const std::size_t pixels = estimate.mean.size() - first;
     for (const char* name : {"S.variance.R", "S.variance.G", "S.variance.B"})
         data.push_back({name, std::vector<float>(pixels, 0)});
     for (std::size_t i = 0; i < pixels; ++i) {
-        const glm::vec3 variance(estimate.variance(segments + i));
+        const glm::vec3 variance(estimate.variance(first + i));
         for (int channel = 0; channel < 3; ++channel)
             data[static_cast<std::size_t>(channel)].values[i] = variance[channel];
     }
@@ -53,10 +56,10 @@ Support Reference::supports_volume(const scene::FrameState& state) const {
 void Reference::in_scatter(FrameContext& context, const view::SegmentLayer& layer,
                            std::span<glm::vec3> radiance) {
     State& state = *state_;
-    const std::size_t segments = layer.segments();
+    const std::size_t segments = layer.segments(), first_pixel = segments + 1;
     state.in_scatter_data.clear();
     RoundEstimate& estimate = state.progress[{reference::Quantity::in_scatter, layer.sample, layer.branch}];
-    const std::size_t values = segments + layer.first.size() - 1;
+    const std::size_t values = first_pixel + layer.first.size() - 1;
     if (estimate.mean.size() != values) {
         estimate = {};
         estimate.start(kFirstVolumeStrata, values);
@@ -88,16 +91,21 @@ void Reference::in_scatter(FrameContext& context, const view::SegmentLayer& laye
             context.stats.count("reference volume rays", static_cast<double>(result->rays));
             estimate.add_pass(values_of(layer, std::move(found)));
             if (estimate.passes == reference::kPasses)
-                estimate.end_round(segments, result->rays / std::max<std::size_t>(1, state.tracer.sources()),
+                estimate.end_round(first_pixel,
+                                   result->rays / std::max<std::size_t>(1, state.tracer.sources()),
                                    reference::kInScatterExponent, wanted);
             state.save_at_times(context.checkpoint);
         }
         state.save(context.checkpoint);
     }
     if (segments == 0) return;
-    count_most(context.stats, "reference volume standard error", estimate.relative_error(segments));
+    count_most(context.stats, "reference volume standard error", estimate.relative_error(first_pixel));
+    state.add_scattered(estimate.mean[segments], estimate.variance(segments));
+    context.stats.count(
+        "reference volume standard error of all light",
+        state.scattered_error() - context.stats.counted("reference volume standard error of all light"));
     for (std::size_t i = 0; i < segments; ++i) radiance[i] = glm::vec3(estimate.mean[i]);
-    state.in_scatter_data = variances(estimate, segments);
+    state.in_scatter_data = variances(estimate, first_pixel);
 }
 
 std::vector<DataLayer> Reference::in_scatter_data() {
