@@ -246,6 +246,38 @@ TEST(CausticMeshEdges, TheSunsDiscWidensPixelsByItsVariance) {
     EXPECT_LT(worst, 0.03);
 }
 
+TEST(CausticMeshEdges, HardCasesAreFinite) {
+    struct Case {
+        const char* name;
+        double zenith, depth;
+        int resolution;
+        double amplitude;  // m, of waves half a metre long, which focus at 2.5 m with 1 cm
+    };
+    double most = 0;
+    for (const Case& hard :
+         {Case{"focus", 0, 2.54, 300, 0.01}, Case{"at the surface", 30, 1e-6, 200, 0},
+          Case{"sun at the horizon", 89.99, 1.5, 100, 0.01}, Case{"one ray", 20, 1.5, 1, 0.01},
+          Case{"two rays", 20, 1.5, 2, 0.01}, Case{"steep waves", 20, 1.5, 150, 0.2}})
+        for (const bool paper : {false, true}) {
+            SCOPED_TRACE(hard.name);
+            scene::FrameScene scene = flat_pool(hard.zenith, hard.resolution, 48);
+            const double wave = glm::two_pi<double>() / 0.5;
+            test::add_water(scene, {{hard.amplitude, {wave, 0}, 0}}, 200, 8);
+            const test::Plane floor{{0, -hard.depth, 0}};
+            scene.state.objects = {test::plane_object(floor.point, 60)};
+            scene.state.caustics.map.paper_faithful = paper;
+            const methods::LayerResult result =
+                test::draw_mesh(scene, test::receivers_on(scene, floor, true));
+            for (const glm::vec3& e : result.irradiance)
+                for (int c = 0; c < 3; ++c) {
+                    ASSERT_TRUE(std::isfinite(e[c]));
+                    ASSERT_GE(e[c], 0);
+                    most = std::max(most, static_cast<double>(e[c]));
+                }
+        }
+    EXPECT_GT(most, 5 * flat_pool(0, 1, 1).state.lights[0].irradiance.r);
+}
+
 TEST(CausticMeshEdges, LightsOnlyReceiversInItsMediumThatFaceItOnItsPlane) {
     scene::FrameScene scene = flat_pool(0, 200, 8);
     scene.state.camera.view_height = 0.5;

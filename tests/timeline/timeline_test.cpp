@@ -238,6 +238,10 @@ TEST(Timeline, EachCausticMethodHasItsKeys) {
     EXPECT_EQ(map.cascade_maps[1].resolution, 256);
     EXPECT_TRUE(map.paper_faithful);
     EXPECT_EQ(caustics("method: photon_splatting, map_precision: 2 cm").map.map_precision, 0.02);
+    const scene::Caustics mesh = caustics("method: caustic_mesh, map_resolution: 512, paper_faithful: true");
+    EXPECT_EQ(mesh.method, "caustic_mesh");
+    EXPECT_EQ(mesh.map.map_resolution, 512);
+    EXPECT_TRUE(mesh.map.paper_faithful);
     const scene::PhotonSplattingParameters photons =
         caustics("method: photon_splatting, footprint: photon_difference, footprint_scale: 1.5")
             .photon_splatting;
