@@ -78,7 +78,7 @@ TEST(FootprintFlux, IsKeptAtAnyScaleAndItsRippleFollowsFromTheWidths) {
                 if (whole) {
                     EXPECT_LT(flat.worst, 1e-3);
                 } else if (across == 11 || across == 67) {  // pixels at all phases of the lattice
-                    const double variance = ripple_variance([&](int m) {
+                    const double variance = ripple_variance([&, name = name, scale = scale](int m) {
                         const double shape = name == Name::point  ? sinc(0.01 * m * pixel)
                                              : name == Name::tent ? std::pow(sinc(m * scale), 2)
                                                                   : sinc(m * scale);
