@@ -31,6 +31,8 @@ Support CausticMesh::supports_surface(const scene::FrameState& state) const {
         reason += state.caustics.map.paper_faithful
                       ? "; the sun as a point"
                       : "; the sun's disc as a widening of pixels by its variance";
+    if (state.caustics.map.paper_faithful)
+        reason += "; E at the samples' points, and none where triangles span edges of objects";
     return {Support::Degree::partly, reason};
 }
 
