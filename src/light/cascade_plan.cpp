@@ -25,38 +25,53 @@ TexelRange water_range(const CascadeLayout& layout, std::size_t cascade, int axi
     return {first - border, first + across - 1 + border};
 }
 
+/// Places of a cascade's map and of its hole, along x and z.
+struct RingRanges {
+    TexelRange map[2], hole[2];
+    bool capped = false;
+    bool empty() const { return map[0].low > map[0].high || map[1].low > map[1].high; }
+};
+
+/// `thrown`: m along x and z that the light throws points of the water off.
+RingRanges ring_ranges(const CascadeLayout& layout, std::size_t cascade, glm::dvec2 thrown) {
+    const bool last = cascade + 1 == layout.boxes.size();
+    const CascadeBox& box = layout.boxes[cascade];
+    RingRanges ranges;
+    for (int axis = 0; axis < 2; ++axis) {
+        TexelRange& map = ranges.map[axis];
+        map = water_range(layout, cascade, axis, thrown[axis], ranges.capped);
+        // A box's ends are among its texels: what carries nothing there still is a neighbour of what does.
+        if (!last)
+            map = {std::max(map.low, box.low[axis] * box.ratio),
+                   std::min(map.high, box.high[axis] * box.ratio)};
+        else if (!layout.whole)
+            map = {std::max(map.low, box.low[axis]), std::min(map.high, box.high[axis] - 1)};
+        ranges.hole[axis] = {1, 0};
+        if (cascade == 0) continue;
+        const CascadeBox& finer = layout.boxes[cascade - 1];
+        ranges.hole[axis] = {finer.low[axis] + finer.ramp + 1 - map.low,
+                             finer.high[axis] - finer.ramp - 1 - map.low};
+    }
+    return ranges;
+}
+
 /// False where the cascade has nothing to carry.
 bool place_map(const scene::FrameScene& scene, const CascadeLayout& layout, std::size_t cascade,
                MapPlan& plan) {
     const bool last = cascade + 1 == layout.boxes.size();
     const CascadeBox& box = layout.boxes[cascade];
     const CascadeBox* finer = cascade > 0 ? &layout.boxes[cascade - 1] : nullptr;
-    const glm::dvec2 thrown = thrown_off(plan, scene);
     plan.cascade = static_cast<int>(cascade);
     plan.texel = glm::dmat2(box.texel.x, 0, 0, box.texel.y);
-    TexelRange map[2], hole[2];
-    bool capped = false;
-    for (int axis = 0; axis < 2; ++axis) {
-        map[axis] = water_range(layout, cascade, axis, thrown[axis], capped);
-        // A box's ends are among its texels: what carries nothing there still is a neighbour of what does.
-        if (!last)
-            map[axis] = {std::max(map[axis].low, box.low[axis] * box.ratio),
-                         std::min(map[axis].high, box.high[axis] * box.ratio)};
-        else if (!layout.whole)
-            map[axis] = {std::max(map[axis].low, box.low[axis]),
-                         std::min(map[axis].high, box.high[axis] - 1)};
-        if (map[axis].low > map[axis].high) return false;
-        hole[axis] = {1, 0};
-        if (finer != nullptr)
-            hole[axis] = {finer->low[axis] + finer->ramp + 1 - map[axis].low,
-                          finer->high[axis] - finer->ramp - 1 - map[axis].low};
-    }
+    const RingRanges ranges = ring_ranges(layout, cascade, thrown_off(plan, scene));
+    if (ranges.empty()) return false;
+    const TexelRange(&map)[2] = ranges.map;
     const std::int64_t columns = map[0].high - map[0].low + 1, rows = map[1].high - map[1].low + 1;
     check_map_size(columns, rows);
     plan.columns = static_cast<int>(columns);
     plan.rows = static_cast<int>(rows);
-    plan.parts = ring(plan.columns, plan.rows, hole[0], hole[1]);
-    plan.capped = last && (capped || !layout.whole);
+    plan.parts = ring(plan.columns, plan.rows, ranges.hole[0], ranges.hole[1]);
+    plan.capped = last && (ranges.capped || !layout.whole);
 
     // Places are counted from one near the frame's origin, where floats tell them apart best.
     const glm::dvec2 origin(scene.origin.x, scene.origin.z);
@@ -98,18 +113,33 @@ std::vector<MapPlan> plan_cascades(const scene::FrameScene& scene, int light,
 }
 
 MapTexels count_texels(const scene::FrameState& state, const scene::CausticMapParameters& parameters) {
-    const glm::dvec2 extent = state.water->extent.size;
-    const double longer = std::max(extent.x, extent.y);
     MapTexels texels;
+    const auto add = [&](double side_x, double side_z, double hole) {
+        texels.largest = std::max(texels.largest, side_x * side_z);
+        texels.all += side_x * side_z;
+        texels.photons += side_x * side_z - hole;
+    };
     double size = inner_box_size(state, parameters);
-    for (int c = 0; c < parameters.cascades; ++c, size *= parameters.cascade_scale) {
-        const double spacing = size / cascade_resolution(parameters, static_cast<std::size_t>(c), size);
-        const glm::dvec2 held =
-            parameters.paper_faithful ? glm::dvec2(size) : glm::min(extent, glm::dvec2(size));
-        const glm::dvec2 side = glm::ceil(held / spacing);
-        texels.largest = std::max(texels.largest, side.x * side.y);
-        texels.all += side.x * side.y;
-        if (!parameters.paper_faithful && size >= longer) break;
+    if (parameters.paper_faithful) {
+        for (int c = 0; c < parameters.cascades; ++c, size *= parameters.cascade_scale) {
+            const double side = cascade_resolution(parameters, static_cast<std::size_t>(c), size);
+            // Equation 6 in whole texels, and the texels of the hole that are neighbours of the ring.
+            const double hole = c == 0 ? 0 : std::max(0.0, side / parameters.cascade_scale - 3);
+            add(side, side, hole * hole);
+        }
+        return texels;
+    }
+    const CascadeLayout layout = lay_out_cascades(state, parameters);
+    for (std::size_t c = 0; c < layout.boxes.size(); ++c) {
+        const auto [map, hole, capped] = ring_ranges(layout, c, glm::dvec2(0));
+        double side[2], held[2];
+        for (int axis = 0; axis < 2; ++axis) {
+            const auto texel = [](std::int64_t place) { return static_cast<double>(place); };
+            side[axis] = std::max(0.0, texel(map[axis].high) - texel(map[axis].low) + 1);
+            held[axis] =
+                std::min(texel(hole[axis].high) + 1, side[axis]) - std::max(texel(hole[axis].low), 0.0);
+        }
+        add(side[0], side[1], std::max(0.0, held[0]) * std::max(0.0, held[1]));
     }
     return texels;
 }

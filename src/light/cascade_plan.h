@@ -14,10 +14,11 @@ namespace dapple::light {
 std::vector<MapPlan> plan_cascades(const scene::FrameScene& scene, int light,
                                    const scene::CausticMapParameters& parameters);
 
-/// Texels, borders left out, that the maps of one light may have: to foresee memory.
+/// Of the maps of one light, borders left out: to foresee memory.
 struct MapTexels {
-    double largest = 0;  ///< of one map
-    double all = 0;
+    double largest = 0;  ///< texels of one map, what its hole holds too
+    double all = 0;      ///< texels of all maps
+    double photons = 0;  ///< of these, those that are traced
 };
 MapTexels count_texels(const scene::FrameState& state, const scene::CausticMapParameters& parameters);
 

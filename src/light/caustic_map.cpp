@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <optional>
 
 #include "base/parallel.h"
@@ -304,40 +305,45 @@ CausticMapper::CausticMapper(gpu::Device& device) : state_(std::make_unique<Stat
 CausticMapper::~CausticMapper() = default;
 
 std::vector<BeamMesh> CausticMapper::trace(const scene::FrameScene& scene, const rays::RayScene& rays,
-                                           int light_index, const std::vector<Event>& events,
+                                           int light, const std::vector<Event>& events,
                                            const scene::CausticMapParameters& parameters, FrameStats& stats) {
+    std::vector<BeamMesh> all;
+    trace_each(scene, rays, light, events, parameters, stats, [&](std::span<BeamMesh> meshes) {
+        all.insert(all.end(), std::move_iterator(meshes.begin()), std::move_iterator(meshes.end()));
+    });
+    return all;
+}
+
+void CausticMapper::trace_each(const scene::FrameScene& scene, const rays::RayScene& rays, int light_index,
+                               const std::vector<Event>& events,
+                               const scene::CausticMapParameters& parameters, FrameStats& stats,
+                               const std::function<void(std::span<BeamMesh>)>& take) {
     const scene::Light& light = scene.state.lights[static_cast<std::size_t>(light_index)];
     const glm::dvec3 color = light.type == scene::LightType::sun ? light.irradiance : light.intensity;
     const std::vector<MapPlan> plans = plan_cascades(scene, light_index, parameters);
-    std::vector<BeamMesh> meshes;
-    if (plans.empty() || events.empty()) return meshes;
-    meshes.reserve(plans.size() * events.size());
-    if (!plans.front().lit) {
-        for (const Event event : events)
-            meshes.push_back(empty_mesh(scene, plans.front(), light_index, event));
-        return meshes;
-    }
+    if (plans.empty() || events.empty()) return;
     std::optional<WaterBuffers> water;
-    {
+    if (plans.front().lit) {
         const ScopedPass pass(stats, "caustic map");
         water.emplace(state_->device, scene, plans.size() == 1);
     }
     for (const MapPlan& plan : plans) {
-        const gpu::Image map = state_->draw_map(scene, plan, *water, stats);
-        const std::size_t first = meshes.size();
-        for (const Event event : events) {
-            BeamMesh& mesh = meshes.emplace_back(empty_mesh(scene, plan, light_index, event));
-            state_->trace_mesh(scene, plan, map, mesh, stats);
-            stats.count("lost flux, W", mesh.lost_flux * (color.r + color.g + color.b) / 3);
+        std::vector<BeamMesh> meshes;
+        {
+            std::optional<gpu::Image> map;
+            if (plan.lit) map = state_->draw_map(scene, plan, *water, stats);
+            for (const Event event : events) {
+                BeamMesh& mesh = meshes.emplace_back(empty_mesh(scene, plan, light_index, event));
+                if (map) state_->trace_mesh(scene, plan, *map, mesh, stats);
+                stats.count("lost flux, W", mesh.lost_flux * (color.r + color.g + color.b) / 3);
+            }
         }
-        if (may_shadow(scene, rays, light)) {
+        if (plan.lit && may_shadow(scene, rays, light)) {
             const ScopedPass pass(stats, "light shadows");
-            const std::span<BeamMesh> of_map(meshes.begin() + static_cast<std::ptrdiff_t>(first),
-                                             meshes.end());
-            stats.count("shadowed photons", static_cast<double>(shadow_meshes(of_map, scene, rays)));
+            stats.count("shadowed photons", static_cast<double>(shadow_meshes(meshes, scene, rays)));
         }
+        take(meshes);
     }
-    return meshes;
 }
 
 }  // namespace dapple::light

@@ -1,5 +1,7 @@
 #pragma once
+#include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -25,6 +27,11 @@ public:
     std::vector<BeamMesh> trace(const scene::FrameScene& scene, const rays::RayScene& rays, int light,
                                 const std::vector<Event>& events,
                                 const scene::CausticMapParameters& parameters, FrameStats& stats);
+    /// The same, handed over a cascade at a time, in the same order: no more than one map and its meshes take
+    /// memory, and of these two the map is gone when `take` is called.
+    void trace_each(const scene::FrameScene& scene, const rays::RayScene& rays, int light,
+                    const std::vector<Event>& events, const scene::CausticMapParameters& parameters,
+                    FrameStats& stats, const std::function<void(std::span<BeamMesh>)>& take);
 
 private:
     struct State;

@@ -32,7 +32,7 @@ Landings land(const BeamMesh& mesh, const rays::RayScene& rays) {
                 beams.push_back(ray);
                 vertex.push_back(i);
             });
-            hits.assign(beams.size(), {});
+            hits.resize(beams.size());
             rays.intersect_objects(beams, hits);
             for (std::size_t k = 0; k < vertex.size(); ++k) {
                 if (hits[k].primitive == rays::kNoHit) continue;

@@ -10,6 +10,7 @@
 #include "light/cascade_layout.h"
 #include "light/cascade_plan.h"
 #include "light/caustic_map.h"
+#include "light/map_memory.h"
 #include "light/paper_cascades.h"
 #include "light/water_grids.h"
 
@@ -254,6 +255,49 @@ TEST(Cascades, CountOnlyPhotonsThatAreTraced) {
     FrameStats stats;
     trace(sea_scene({16, 16}, {1.3, -2.1}, true), parameters(2, 2, 128), stats);
     EXPECT_EQ(stats.counted("photons"), 2 * (127 * 127 + 128 * 128 - 35 * 35));
+}
+
+/// Bytes of what lies in the vectors of a mesh.
+double bytes_of(const BeamMesh& mesh) {
+    const auto bytes = [](const auto& all) { return static_cast<double>(all.size() * sizeof(all[0])); };
+    return bytes(mesh.origin) + bytes(mesh.slope) + bytes(mesh.start) + bytes(mesh.flux) +
+           bytes(mesh.weight) + bytes(mesh.tint) + bytes(mesh.valid);
+}
+
+TEST(Cascades, MemoryIsForeseenAndOnlyOneMapsAtOnce) {
+    // Flat, so that maps have no borders, which are left out of what is foreseen.
+    scene::FrameScene scene = sea_scene({16, 16}, {1.3, -2.1}, true);
+    const rays::RayScene rays(scene);
+    light::CausticMapper mapper(test::validated_device());
+    for (const bool paper : {false, true})
+        for (const int cascades : {1, 3}) {
+            SCOPED_TRACE((paper ? "paper, " : "") + std::to_string(cascades));
+            scene::CausticMapParameters& map = scene.state.caustics.map;
+            map = parameters(cascades, 2, 128);
+            map.paper_faithful = paper;
+            const light::MapMemory foreseen = light::foresee_maps(scene.state);
+            EXPECT_EQ(foreseen.events, 1);  // the camera is under water: what is reflected stays above
+            const light::MapTexels texels = light::count_texels(scene.state, map);
+            std::size_t taken = 0;
+            double traced = 0;
+            for (const MapPlan& plan : plan_cascades(scene, 0, map))
+                for (const light::TexelBox& part : plan.parts)
+                    traced += static_cast<double>(part.columns) * part.rows;
+            FrameStats stats;
+            mapper.trace_each(scene, rays, 0, {Event::transmission}, map, stats,
+                              [&](std::span<BeamMesh> meshes) {
+                                  ASSERT_EQ(meshes.size(), 1u);
+                                  EXPECT_EQ(meshes[0].cascade, static_cast<int>(taken++));
+                                  EXPECT_LE(static_cast<double>(meshes[0].vertices()), foreseen.largest);
+                                  EXPECT_LE(bytes_of(meshes[0]), foreseen.meshes);
+                              });
+            EXPECT_EQ(taken, static_cast<std::size_t>(cascades));
+            EXPECT_LE(foreseen.meshes, foreseen.tracing);
+            EXPECT_LE(stats.counted("photons"), foreseen.photons);
+            EXPECT_LE(traced, texels.photons);
+            // Exact but for the paper's frames, which are rounded.
+            EXPECT_GE(traced, (paper ? 0.97 : 1.0) * texels.photons);
+        }
 }
 
 TEST(Cascades, TakeWhatTheyAreGiven) {

@@ -3,9 +3,9 @@
 #include <algorithm>
 
 #include "layout/mesh_cell.h"
-#include "light/cascade_plan.h"
 #include "light/caustic_map.h"
 #include "light/landing.h"
+#include "light/map_memory.h"
 #include "media/media.h"
 #include "methods/caustic_mesh/cell_builder.h"
 #include "methods/caustic_mesh/cell_renderer.h"
@@ -38,24 +38,16 @@ Support CausticMesh::supports_surface(const scene::FrameState& state) const {
 
 std::size_t CausticMesh::bytes(const scene::FrameState& state, std::size_t pixels) const {
     if (!state.water) return 0;
-    // Without the border, which is thin but for low suns: at most four times as many in all. One map after
-    // another is drawn, landed and cut into cells.
-    const light::MapTexels rays = light::count_texels(state, state.caustics.map);
-    constexpr double kMap = 16 + 4 + 36;  // surface, depth, rays
-    const bool pictures = std::any_of(state.lights.begin(), state.lights.end(),
-                                      [](const scene::Light& light) { return !light.texture.empty(); });
-    const double mesh = 12 + 12 + 4 + 4 + 4 + 1 + (pictures ? 12 : 0);
+    const light::MapMemory maps = light::foresee_maps(state);
     constexpr double kLanding = 4 + 12 + 4 + 1;
     // Cells of the paper's are triangles.
-    const double cells = sizeof(layout::MeshCell) * (state.caustics.map.paper_faithful ? 2.0 : 1.0);
-    const double events = 2 * static_cast<double>(state.lights.size());
-    constexpr std::size_t kLayer = std::size_t{4} * 5 * 16;  // of four layers: in, receivers, irradiance
-    // In double, held: maps of absurd size must not wrap around to a small number.
-    constexpr double kMost = 0x1p61;
-    // Cells of one map in bands, then those of all on the device.
-    return static_cast<std::size_t>(std::min(kMost, rays.largest * (kMap + kLanding + cells) +
-                                                        rays.all * (2 * mesh + events * cells) +
-                                                        static_cast<double>(pixels) * kLayer));
+    const double cell = sizeof(layout::MeshCell) * (state.caustics.map.paper_faithful ? 2.0 : 1.0);
+    constexpr double kLayer = 4 * 5 * 16;  // of four layers: in, receivers, irradiance
+    // One map after another is drawn, landed and cut into cells, in bands before they go to the device.
+    const double begin = std::max(maps.tracing, maps.meshes + maps.largest * (kLanding + cell));
+    const double layers = static_cast<double>(pixels) * kLayer;
+    constexpr double kMost = 0x1p61;  // maps of absurd size must not wrap around to a small number
+    return static_cast<std::size_t>(std::min(kMost, maps.photons * cell + std::max(begin, layers)));
 }
 
 void CausticMesh::begin(FrameContext& context) {
@@ -70,8 +62,7 @@ void CausticMesh::begin(FrameContext& context) {
         std::vector<light::Event> events;
         for (; next < context.chains.size() && context.chains[next].light == light; ++next)
             events.push_back(context.chains[next].event);
-        for (const light::BeamMesh& mesh :
-             state_->mapper.trace(context.scene, context.rays, light, events, map, context.stats)) {
+        const auto lay = [&](const light::BeamMesh& mesh) {
             light::Landings landings;
             {
                 const ScopedPass pass(context.stats, "photon tracing");
@@ -86,7 +77,10 @@ void CausticMesh::begin(FrameContext& context) {
             context.stats.count("cells cut", static_cast<double>(cells.cut));
             context.stats.count("cells widened", static_cast<double>(cells.widened));
             context.stats.count("triangles left out", static_cast<double>(cells.left_out));
-        }
+        };
+        state_->mapper.trace_each(
+            context.scene, context.rays, light, events, map, context.stats,
+            [&](std::span<light::BeamMesh> meshes) { std::for_each(meshes.begin(), meshes.end(), lay); });
     }
     context.stats.count("mesh cells", static_cast<double>(renderer.points() + renderer.quads()));
     context.stats.count("large mesh cells", static_cast<double>(renderer.quads()));

@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "layout/splat.h"
-#include "light/cascade_plan.h"
 #include "light/caustic_map.h"
 #include "light/landing.h"
+#include "light/map_memory.h"
 #include "methods/photon_splatting/footprint.h"
 #include "methods/photon_splatting/splat_builder.h"
 #include "methods/photon_splatting/splat_renderer.h"
@@ -37,23 +37,15 @@ Support PhotonSplatting::supports_surface(const scene::FrameState& state) const 
 
 std::size_t PhotonSplatting::bytes(const scene::FrameState& state, std::size_t pixels) const {
     if (!state.water) return 0;
-    // Without the border, which is thin but for low suns: at most four times as many in all. One map after
-    // another is drawn, landed and cut into splats.
-    const light::MapTexels photons = light::count_texels(state, state.caustics.map);
-    constexpr double kMap = 16 + 4 + 36;  // surface, depth, rays
-    const bool pictures = std::any_of(state.lights.begin(), state.lights.end(),
-                                      [](const scene::Light& light) { return !light.texture.empty(); });
-    const double mesh = 12 + 12 + 4 + 4 + 4 + 1 + (pictures ? 12 : 0);
-    constexpr double kLanding = 4 + 12;
-    constexpr double kSplats = 2 * sizeof(layout::Splat);  // in bands, then on the device
-    const double events = 2 * static_cast<double>(state.lights.size());
-    constexpr std::size_t kLayer = std::size_t{4} * 3 * 16;  // four layers' staging, receivers and irradiance
-    // In double, held: maps of absurd size must not wrap around to a small number.
-    constexpr double kMost = 0x1p61;
-    return static_cast<std::size_t>(
-        std::min(kMost, photons.largest * (kMap + kLanding + kSplats) +
-                            photons.all * (2 * mesh + events * sizeof(layout::Splat)) +
-                            static_cast<double>(pixels) * kLayer));
+    const light::MapMemory maps = light::foresee_maps(state);
+    constexpr double kLanding = 4 + 12, kSplat = sizeof(layout::Splat);
+    constexpr double kLayer = 4 * 3 * 16;  // four layers' staging, receivers and irradiance
+    // One map after another is drawn, landed and cut into splats, in bands before they go to the device. As
+    // many splats as photons: those near edges of faces have more, those that the camera does not see none.
+    const double begin = std::max(maps.tracing, maps.meshes + maps.largest * (kLanding + kSplat));
+    const double layers = static_cast<double>(pixels) * kLayer;
+    constexpr double kMost = 0x1p61;  // maps of absurd size must not wrap around to a small number
+    return static_cast<std::size_t>(std::min(kMost, maps.photons * kSplat + std::max(begin, layers)));
 }
 
 void PhotonSplatting::begin(FrameContext& context) {
@@ -69,8 +61,7 @@ void PhotonSplatting::begin(FrameContext& context) {
         std::vector<light::Event> events;
         for (; next < context.chains.size() && context.chains[next].light == light; ++next)
             events.push_back(context.chains[next].event);
-        for (const light::BeamMesh& mesh :
-             state_->mapper.trace(context.scene, context.rays, light, events, map, context.stats)) {
+        const auto splat = [&](const light::BeamMesh& mesh) {
             light::Landings landings;
             {
                 const ScopedPass pass(context.stats, "photon tracing");
@@ -82,7 +73,10 @@ void PhotonSplatting::begin(FrameContext& context) {
                                                context.device.largest_point_size());
             renderer.add(splats);
             context.stats.count("photons without neighbors", static_cast<double>(splats.without_neighbors));
-        }
+        };
+        state_->mapper.trace_each(
+            context.scene, context.rays, light, events, map, context.stats,
+            [&](std::span<light::BeamMesh> meshes) { std::for_each(meshes.begin(), meshes.end(), splat); });
     }
     context.stats.count("splats", static_cast<double>(renderer.points() + renderer.quads()));
     context.stats.count("large splats", static_cast<double>(renderer.quads()));

@@ -155,6 +155,9 @@ Splats build_splats(const scene::FrameScene& scene, const media::Media& media, c
     std::vector<std::size_t> without_neighbors(blocks.bands(), 0);
     parallel_for(blocks.bands(), 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t band = begin; band < end; ++band) {
+            // Room for a splat a photon: memory that is not touched costs nothing, growing costs copies.
+            splats.points[band].reserve(blocks.band_size());
+            splats.quads[band].reserve(blocks.band_size());
             blocks.visit_band(band, [&](std::size_t i) {
                 builder.build(i, splats.points[band], splats.quads[band], without_neighbors[band]);
             });

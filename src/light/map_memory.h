@@ -1,0 +1,22 @@
+#pragma once
+#include "scene/frame_state.h"
+
+namespace dapple::light {
+
+/// What caustic maps take, foreseen from the state alone. Borders of maps are left out, which are thin but
+/// for low suns: at most four times as many texels in all. In double, since maps may be asked for of any
+/// size.
+struct MapMemory {
+    /// Bytes held at once by CausticMapper::trace_each while a map is drawn and its rays are traced.
+    double tracing = 0;
+    /// Bytes of what it holds while `take` is called: the meshes of one map, and the water on the device.
+    double meshes = 0;
+    double largest = 0;  ///< vertices of the largest of these meshes
+    double photons = 0;  ///< of all lights' maps: at most so many carry light
+    int events = 1;      ///< meshes a map
+};
+
+/// For methods that serve receivers which the camera sees directly. Needs FrameState::water.
+MapMemory foresee_maps(const scene::FrameState& state);
+
+}  // namespace dapple::light

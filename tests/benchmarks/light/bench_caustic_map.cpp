@@ -1,0 +1,369 @@
+// What the light pass of photon_splatting costs in a pool, part by part, beside the least that it could: bare
+// Embree with the same rays (those that land, and those back to the sun), and a bare raster of the same
+// triangles into a map and of as many sprites of the same areas into one picture, all in one run. CPU seconds
+// of all threads, medians; parts and limits take turns, so that what else the machine does falls on both.
+//
+//     bench_caustic_map [repetitions] [photons along a side...]
+#include <embree3/rtcore.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "base/parallel.h"
+#include "base/stats.h"
+#include "gpu/pass_list.h"
+#include "light/caustic_map.h"
+#include "light/grid_blocks.h"
+#include "light/landing.h"
+#include "light/light_shadows.h"
+#include "methods/coverage_scene.h"  // of the tests
+#include "methods/photon_splatting/splat_builder.h"
+#include "methods/photon_splatting/splat_renderer.h"
+#include "rays/shape_mesh.h"
+#include "spirv/light_caustic_map_frag.h"
+#include "spirv/test_flat_frag.h"
+#include "spirv/test_sprites_vert.h"
+#include "spirv/test_surface_vert.h"
+
+namespace {
+
+using namespace dapple;
+
+constexpr int kWidth = 960, kHeight = 540;
+constexpr int kCells = 512;  // half a million triangles, as pool.yaml has
+
+/// CPU seconds by name, one entry a repetition.
+class Costs {
+public:
+    void add(const std::string& name, double seconds) { of_[name].push_back(seconds); }
+    double median(const std::string& name) {
+        std::vector<double>& all = of_[name];
+        if (all.empty()) return 0;
+        std::nth_element(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2), all.end());
+        return all[all.size() / 2];
+    }
+
+private:
+    std::map<std::string, std::vector<double>> of_;
+};
+
+template <class Work>
+void measure(Costs& costs, const char* name, const Work& work) {
+    const double before = cpu_seconds();
+    work();
+    costs.add(name, cpu_seconds() - before);
+}
+
+/// The scene's planes and boxes in an Embree scene of the settings of src/rays, and rays in packets.
+class BareEmbree {
+public:
+    explicit BareEmbree(const scene::FrameScene& frame)
+        : device_(rtcNewDevice("isa=avx2")), scene_(rtcNewScene(device_)) {
+        rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
+        for (const scene::Object& object : frame.state.objects) {
+            const scene::TriangleMesh mesh = object.shape == scene::Shape::box
+                                                 ? rays::box_mesh(object.size)
+                                                 : rays::plane_mesh(object.size);
+            RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
+            auto* positions = static_cast<glm::vec3*>(
+                rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                        sizeof(glm::vec3), mesh.positions.size()));
+            auto* triangles = static_cast<glm::uvec3*>(
+                rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                        sizeof(glm::uvec3), mesh.triangles.size()));
+            for (std::size_t i = 0; i < mesh.positions.size(); ++i)
+                positions[i] = glm::vec3(mesh.positions[i] + object.transform.position - frame.origin);
+            std::copy(mesh.triangles.begin(), mesh.triangles.end(), triangles);
+            rtcCommitGeometry(geometry);
+            rtcAttachGeometry(scene_, geometry);
+            rtcReleaseGeometry(geometry);
+        }
+        rtcCommitScene(scene_);
+    }
+    ~BareEmbree() {
+        rtcReleaseScene(scene_);
+        rtcReleaseDevice(device_);
+    }
+    BareEmbree(const BareEmbree&) = delete;
+    BareEmbree& operator=(const BareEmbree&) = delete;
+
+    /// Whole packets; rays that would fill only part of one are left out.
+    static std::vector<RTCRay8> packets(const std::vector<rays::Ray>& rays) {
+        std::vector<RTCRay8> result(rays.size() / 8);
+        for (std::size_t i = 0; i < 8 * result.size(); ++i) {
+            RTCRay8& ray = result[i / 8];
+            const std::size_t lane = i % 8;
+            ray.org_x[lane] = rays[i].origin.x;
+            ray.org_y[lane] = rays[i].origin.y;
+            ray.org_z[lane] = rays[i].origin.z;
+            ray.dir_x[lane] = rays[i].direction.x;
+            ray.dir_y[lane] = rays[i].direction.y;
+            ray.dir_z[lane] = rays[i].direction.z;
+            ray.tnear[lane] = rays[i].near;
+            ray.tfar[lane] = rays[i].far;
+            ray.mask[lane] = ~0u;
+            ray.time[lane] = 0;
+            ray.flags[lane] = 0;
+            ray.id[lane] = 0;
+        }
+        return result;
+    }
+
+    void intersect(const std::vector<RTCRay8>& packets) const {
+        each(packets, [this](const int* valid, RTCIntersectContext& context, const RTCRay8& ray) {
+            RTCRayHit8 packet;
+            packet.ray = ray;
+            std::fill_n(packet.hit.geomID, 8, RTC_INVALID_GEOMETRY_ID);
+            rtcIntersect8(valid, scene_, &context, &packet);
+            return packet.ray.tfar[0];
+        });
+    }
+    void occluded(const std::vector<RTCRay8>& packets) const {
+        each(packets, [this](const int* valid, RTCIntersectContext& context, RTCRay8 ray) {
+            rtcOccluded8(valid, scene_, &context, &ray);
+            return ray.tfar[0];
+        });
+    }
+
+private:
+    template <class Query>
+    static void each(const std::vector<RTCRay8>& packets, const Query& query) {
+        std::vector<float> sums(packets.size() / kTile + 1);  // so that nothing is optimised away
+        parallel_for(packets.size(), kTile, [&](std::size_t begin, std::size_t end) {
+            alignas(32) const int valid[8] = {-1, -1, -1, -1, -1, -1, -1, -1};
+            RTCIntersectContext context;
+            rtcInitIntersectContext(&context);
+            context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+            for (std::size_t i = begin; i < end; ++i)
+                sums[begin / kTile] += query(valid, context, packets[i]);
+        });
+        volatile float sum = 0;
+        for (const float tile : sums) sum = sum + tile;
+    }
+
+    static constexpr std::size_t kTile = 512;
+    RTCDevice device_;
+    RTCScene scene_;
+};
+
+/// A draw without anything that a method would do.
+class BareRaster {
+public:
+    BareRaster(gpu::Device& device, const scene::FrameScene& frame)
+        : device_(device),
+          mesh_(device, "bare map", test_surface_vert, light_caustic_map_frag,
+                {.interface = {.storage_buffers = 1},
+                 .color_formats = {gpu::Format::rgba32f},
+                 .depth_test = true}),
+          points_(device, "bare sprites", test_sprites_vert, test_flat_frag,
+                  {.interface = {.storage_buffers = 1, .push_bytes = sizeof(glm::vec2)},
+                   .topology = gpu::Topology::points,
+                   .blend = gpu::Blend::add,
+                   .color_formats = {gpu::Format::rgba32f}}),
+          vertices_(device, "vertices", sizeof(Vertex) * frame.water->mesh.positions.size()),
+          indices_(device, "indices", sizeof(glm::uvec3) * frame.water->mesh.triangles.size()),
+          picture_(device, "picture", kWidth, kHeight, gpu::Format::rgba32f) {
+        const scene::TriangleMesh& water = frame.water->mesh;
+        const glm::dvec2 half = 0.5 * frame.state.water->extent.size;
+        for (std::size_t i = 0; i < water.positions.size(); ++i) {
+            const glm::dvec3 p = water.positions[i];
+            vertices_.as<Vertex>()[i] = {{p.x / half.x, p.z / half.y, 0.5 - p.y},
+                                         glm::vec4(p.y, glm::vec3(water.normals[i]))};
+        }
+        std::copy(water.triangles.begin(), water.triangles.end(), indices_.as<glm::uvec3>().begin());
+    }
+
+    void map(int columns, int rows) {
+        const gpu::Image color(device_, "map", columns, rows, gpu::Format::rgba32f);
+        const gpu::Image depth(device_, "depth", columns, rows, gpu::Format::depth32f);
+        gpu::PassList passes(device_);
+        FrameStats stats;
+        passes.draw("map", mesh_, {.buffers = {&vertices_}}, {.colors = {&color}, .depth = &depth},
+                    {.vertices = static_cast<std::uint32_t>(indices_.bytes() / sizeof(std::uint32_t)),
+                     .index_buffer = &indices_});
+        passes.run(stats);
+    }
+
+    /// Squares, large splats of the same area as their parallelograms.
+    void take(const methods::Splats& splats) {
+        sprites_.clear();
+        for (const auto* bands : {&splats.points, &splats.quads}) {
+            std::vector<Sprite> all;
+            for (const std::vector<layout::Splat>& band : *bands)
+                for (const layout::Splat& splat : band) {
+                    const float side = bands == &splats.points
+                                           ? 2 * std::max(splat.edge_a.x, splat.edge_b.y)
+                                           : 2 * std::sqrt(std::abs(splat.edge_a.x * splat.edge_b.y -
+                                                                    splat.edge_a.y * splat.edge_b.x));
+                    all.push_back({splat.center, std::min(side, device_.largest_point_size()), glm::vec4(1)});
+                }
+            const std::size_t most = device_.largest_storage_range() / sizeof(Sprite);
+            for (std::size_t first = 0; first < all.size(); first += most) {
+                const std::size_t count = std::min(most, all.size() - first);
+                sprites_.emplace_back(device_, "sprites", count * sizeof(Sprite));
+                std::copy_n(all.begin() + static_cast<std::ptrdiff_t>(first), count,
+                            sprites_.back().as<Sprite>().begin());
+            }
+        }
+    }
+    void sprites() {
+        gpu::PassList passes(device_);
+        FrameStats stats;
+        gpu::Targets targets{.colors = {&picture_}};
+        for (gpu::Buffer& buffer : sprites_) {
+            gpu::Bindings bindings{.buffers = {&buffer}};
+            bindings.set_push(glm::vec2(kWidth, kHeight));
+            passes.draw("sprites", points_, std::move(bindings), targets,
+                        {.vertices = static_cast<std::uint32_t>(buffer.bytes() / sizeof(Sprite))});
+            targets.clear = false;
+        }
+        passes.run(stats);
+    }
+
+private:
+    struct Vertex {  // as in test/surface.vert
+        glm::vec3 clip;
+        glm::vec4 value;
+    };
+    struct Sprite {  // as in test/sprites.vert
+        glm::vec2 position;
+        float width;
+        glm::vec4 color;
+    };
+    gpu::Device& device_;
+    gpu::RasterPipeline mesh_, points_;
+    gpu::Buffer vertices_, indices_;
+    gpu::Image picture_;
+    std::vector<gpu::Buffer> sprites_;
+};
+
+/// One pool, all sizes of maps.
+class Bench {
+public:
+    explicit Bench(scene::FrameScene& frame)
+        : frame_(frame),
+          device_(gpu::DeviceOptions{}),
+          rays_(frame),
+          mapper_(device_),
+          renderer_(device_),
+          media_(frame),
+          bare_rays_(frame),
+          bare_raster_(device_, frame) {
+        view::LayerCounts counts;
+        layers_.push_back(view::trace_layer(frame, rays_, {}, counts));
+        results_.resize(1);
+    }
+
+    void run(int side, int repetitions) {
+        frame_.state.caustics.map.map_resolution = side;
+        Costs costs;
+        for (int i = -1; i < repetitions; ++i) {  // the first one compiles shaders, and counts for nothing
+            Costs unused;
+            once(i < 0 ? unused : costs, i < 0);
+        }
+        print(side, costs);
+    }
+
+    static void print_head() {
+        std::printf(
+            "CPU ms          map   refr shadow landing footpr |  bare: map  land shadow | ratio, without "
+            "footprints | "
+            "splatting  bare ratio | all: ratio | photons splats ns a photon\n");
+    }
+
+private:
+    void once(Costs& costs, bool first) {
+        FrameStats stats;
+        const methods::SplatStyle style = methods::splat_style(frame_.state.caustics);
+        const light::BeamMesh mesh = std::move(mapper_.trace(frame_, rays_, 0, {light::Event::transmission},
+                                                             frame_.state.caustics.map, stats)[0]);
+        for (const PassTime& pass : stats.passes()) costs.add(pass.name, pass.cpu_s);
+        light::Landings landings;
+        measure(costs, "landing", [&] { landings = light::land(mesh, rays_); });
+        renderer_.clear();
+        methods::Splats splats;
+        measure(costs, "footprints", [&] {
+            splats =
+                methods::build_splats(frame_, media_, mesh, landings, style, device_.largest_point_size());
+            renderer_.add(splats);
+        });
+        measure(costs, "splatting", [&] { renderer_.render(frame_, style, layers_, results_, stats); });
+
+        if (first) {
+            take_rays(mesh);
+            bare_raster_.take(splats);
+            photons_ = static_cast<std::size_t>(stats.counted("photons"));
+            splats_ = renderer_.points() + renderer_.quads();
+        }
+        measure(costs, "bare map", [&] { bare_raster_.map(mesh.columns, mesh.rows); });
+        measure(costs, "bare landing", [&] { bare_rays_.intersect(landing_); });
+        measure(costs, "bare shadows", [&] { bare_rays_.occluded(to_light_); });
+        measure(costs, "bare splatting", [&] { bare_raster_.sprites(); });
+    }
+
+    /// Those of the light pass, in its order. What is shadowed is not landed.
+    void take_rays(const light::BeamMesh& mesh) {
+        std::vector<rays::Ray> landing, to_light;
+        const light::GridBlocks blocks(mesh.rows, mesh.columns);
+        for (std::size_t band = 0; band < blocks.bands(); ++band)
+            blocks.visit_band(band, [&](std::size_t i) {
+                if (!mesh.valid[i]) return;
+                rays::Ray ray;
+                ray.origin = mesh.origin[i] + mesh.start[i] * mesh.slope[i];
+                ray.direction = mesh.slope[i];
+                to_light.push_back(light::ray_to_light(frame_, frame_.state.lights[0], ray.origin));
+                if (mesh.flux[i] > 0) landing.push_back(ray);
+            });
+        landing_ = BareEmbree::packets(landing);
+        to_light_ = BareEmbree::packets(to_light);
+    }
+
+    void print(int side, Costs& costs) const {
+        const auto ms = [&](const char* name) { return 1e3 * costs.median(name); };
+        const double rays = ms("bare landing") + ms("bare shadows"), bare = ms("bare map") + rays;
+        const double before = ms("caustic map") + ms("refraction") + ms("light shadows") + ms("landing");
+        const double pass = before + ms("footprints");
+        std::printf(
+            "%5d^2 %12.0f %6.0f %6.0f %7.0f %6.0f | %10.0f %5.0f %6.0f | %5.2f %19.2f | %9.0f %5.0f %5.2f | "
+            "%10.2f | %6.2fM %5.2fM %6.0f\n",
+            side, ms("caustic map"), ms("refraction"), ms("light shadows"), ms("landing"), ms("footprints"),
+            ms("bare map"), ms("bare landing"), ms("bare shadows"), pass / bare, before / bare,
+            ms("splatting"), ms("bare splatting"), ms("splatting") / ms("bare splatting"),
+            (pass + ms("splatting")) / (bare + ms("bare splatting")), 1e-6 * double(photons_),
+            1e-6 * double(splats_), 1e6 * pass / double(photons_));
+        std::fflush(stdout);
+    }
+
+    scene::FrameScene& frame_;
+    gpu::Device device_;
+    rays::RayScene rays_;
+    light::CausticMapper mapper_;
+    methods::SplatRenderer renderer_;
+    media::Media media_;
+    BareEmbree bare_rays_;
+    BareRaster bare_raster_;
+    std::vector<view::ReceiverLayer> layers_;
+    std::vector<methods::LayerResult> results_;
+    std::vector<RTCRay8> landing_, to_light_;
+    std::size_t photons_ = 0, splats_ = 0;
+};
+
+}  // namespace
+
+int main(int count, char** arguments) {
+    const int repetitions = count > 1 ? std::max(1, std::atoi(arguments[1])) : 5;
+    std::vector<int> sides;
+    for (int i = 2; i < count; ++i) sides.push_back(std::max(1, std::atoi(arguments[i])));
+    if (sides.empty()) sides = {512, 1024, 2048};
+    scene::FrameScene frame = test::pool_scene(kWidth, kHeight, kCells, 0.53);
+    std::erase_if(frame.state.objects,
+                  [](const scene::Object& o) { return o.shape == scene::Shape::sphere; });
+    frame.object_meshes.resize(frame.state.objects.size());
+    Bench bench(frame);
+    Bench::print_head();
+    for (const int side : sides) bench.run(side, repetitions);
+}
