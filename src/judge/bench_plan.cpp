@@ -28,8 +28,9 @@ struct DefaultLadder {
     std::string_view method, key;
     std::vector<std::string_view> values;
 };
-const std::array<DefaultLadder, 2> kDefaultLadders{
+const std::array<DefaultLadder, 3> kDefaultLadders{
     {{"photon_splatting", "caustics.map_resolution", {"256", "512", "1024", "2048"}},
+     {"caustic_mesh", "caustics.map_resolution", {"256", "512", "1024", "2048"}},
      {"adaptive_beams", "caustics.levels", {"0", "1", "2", "3", "4", "5"}}}};
 
 const scene::Structure& caustics_schema() {

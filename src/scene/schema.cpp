@@ -18,6 +18,8 @@ constexpr double kMostPixels = 16384;  // along a side: what Vulkan devices and 
 constexpr std::array<std::string_view, 5> kCausticMethods{"sliced_beams", "photon_splatting", "reference",
                                                           "adaptive_beams", "caustic_mesh"};
 
+const std::initializer_list<std::string_view> kAllButReference{
+    "sliced_beams", "photon_splatting", "adaptive_beams", "caustic_mesh"};  // it is the truth as it is
 const std::initializer_list<std::string_view> kMapMethods{
     "photon_splatting", "caustic_mesh"};  // those that start from a caustic map
 
@@ -259,9 +261,11 @@ const Structure& caustics_schema() {
             choice<&Caustics::buffer_scale>(
                 "buffer_scale", {"full", "half", "quarter"},
                 "pixels for which caustics on surfaces are computed; half: every second, each way; "
-                "interpolated between, not over edges"),
+                "interpolated between, not over edges")
+                .only_for(kAllButReference),
             structure<&Caustics::denoise>("denoise", denoise_schema(),
-                                          "a filter over caustics on surfaces, not over their textures"),
+                                          "a filter over caustics on surfaces, not over their textures")
+                .only_for(kAllButReference),
             integral<map, &CausticMapParameters::map_resolution>(
                 "map_resolution", FieldKind::integer,
                 "photons along each side of a cascade's box; of one map over all the water: along its longer "

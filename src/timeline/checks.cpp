@@ -191,6 +191,9 @@ private:
             if (map.map_precision > 0 && program_.given.count(other) > 0)
                 fault(precision, "says what " + std::string(other) + " says too; give one of them");
         }
+        const std::string resolution = "caustics.map_resolution";
+        if (given > 0 && program_.given.count(resolution) > 0)
+            fault(resolution, "says what " + maps + " says too; give one of them");
     }
 
     /// One fault a key: the first frame that shows it.

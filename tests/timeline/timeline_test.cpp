@@ -268,6 +268,9 @@ TEST(Timeline, EachCausticMethodHasItsKeys) {
           "method: photon_splatting, cascade_maps: [512]",
           "method: photon_splatting, map_precision: 1 cm, map_resolution: 512",
           "method: photon_splatting, map_precision: 1 cm, cascade_maps: [{resolution: 512}]",
+          "method: photon_splatting, map_resolution: 512, cascade_maps: [{resolution: 512}]",
+          "method: reference, buffer_scale: half",
+          "method: reference, denoise: {filter: fixed}",
           "method: reference, standard_error: 0",
           "method: reference, most_rays: 0",
           "method: reference, standard_error: {keys: [{frame: 1, value: 0.1}]}"}) {
@@ -483,7 +486,7 @@ TEST(Fingerprint, SeesEveryChange) {
                                "caustics.cascade_scale=3",
                                "caustics.inner_size=1 m",
                                "caustics.cascade_center=extent",
-                               "caustics.cascade_maps=[{resolution: 256}]",
+                               "caustics={method: photon_splatting, cascade_maps: [{resolution: 256}]}",
                                "caustics.paper_faithful=true",
                                "caustics={method: sliced_beams}",
                                "caustics={method: sliced_beams, sun_samples: 2}",

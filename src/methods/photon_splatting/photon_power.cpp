@@ -8,9 +8,9 @@
 namespace dapple::methods {
 namespace {
 
-// Kougianos and Moustakas 2021. Equation 13: gamma as given; t_Max is not given, and is the light's far plane
-// of section 4 (6000 Unreal units of 1 cm). Equation 14: its exponent is not given, and is Schlick's; nor is
-// F_frac, which is the reflectance at normal incidence.
+// Kougianos and Moustakas 2021. Equation 13: gamma as given; t_Max is not given: the largest
+// range of light of section 4 is taken (6000 Unreal units of 1 cm). Equation 14: its exponent is not given,
+// and is Schlick's; nor is F_frac, which is the reflectance at normal incidence.
 constexpr float kFocusBias = 0.95f;
 constexpr float kFarthestRay = 60;  // m
 constexpr float kFresnelExponent = 5;
