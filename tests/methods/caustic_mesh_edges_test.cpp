@@ -37,11 +37,12 @@ enum class Light { none, some, all };
 Light light_about(glm::dvec3 point, glm::dvec3 way, double reach) {
     int lit = 0;
     constexpr int kSide = 9;
-    for (int k = 0; k < kSide * kSide; ++k) {
-        const glm::dvec3 at(point.x + reach * (k % kSide / 4.0 - 1), -1.5,
-                            point.z + reach * (k / kSide / 4.0 - 1));
-        lit += in_shadow(at, way) ? 0 : 1;
-    }
+    for (int row = 0; row < kSide; ++row)
+        for (int column = 0; column < kSide; ++column)
+            lit += in_shadow({point.x + reach * (column / 4.0 - 1), -1.5, point.z + reach * (row / 4.0 - 1)},
+                             way)
+                       ? 0
+                       : 1;
     return lit == 0 ? Light::none : lit == kSide * kSide ? Light::all : Light::some;
 }
 
