@@ -191,6 +191,7 @@ public:
     /// Squares, large splats of the same area as their parallelograms.
     void take(const methods::Splats& splats) {
         sprites_.clear();
+        covered_ = 0;
         for (const auto* bands : {&splats.points, &splats.quads}) {
             std::vector<Sprite> all;
             for (const std::vector<layout::Splat>& band : *bands)
@@ -199,6 +200,7 @@ public:
                                            ? 2 * std::max(splat.edge_a.x, splat.edge_b.y)
                                            : 2 * std::sqrt(std::abs(splat.edge_a.x * splat.edge_b.y -
                                                                     splat.edge_a.y * splat.edge_b.x));
+                    covered_ += static_cast<double>(side * side);
                     all.push_back({splat.center, std::min(side, device_.largest_point_size()), glm::vec4(1)});
                 }
             const std::size_t most = device_.largest_storage_range() / sizeof(Sprite);
@@ -210,6 +212,8 @@ public:
             }
         }
     }
+    /// Pixels of all sprites together.
+    double covered() const { return covered_; }
     void sprites() {
         gpu::PassList passes(device_);
         FrameStats stats;
@@ -239,6 +243,7 @@ private:
     gpu::Buffer vertices_, indices_;
     gpu::Image picture_;
     std::vector<gpu::Buffer> sprites_;
+    double covered_ = 0;
 };
 
 /// One pool, all sizes of maps.
@@ -266,13 +271,6 @@ public:
             once(i < 0 ? unused : costs, i < 0);
         }
         print(side, costs);
-    }
-
-    static void print_head() {
-        std::printf(
-            "CPU ms          map   refr shadow landing footpr |  bare: map  land shadow | ratio, without "
-            "footprints | "
-            "splatting  bare ratio | all: ratio | photons splats ns a photon\n");
     }
 
 private:
@@ -324,17 +322,25 @@ private:
 
     void print(int side, Costs& costs) const {
         const auto ms = [&](const char* name) { return 1e3 * costs.median(name); };
-        const double rays = ms("bare landing") + ms("bare shadows"), bare = ms("bare map") + rays;
-        const double before = ms("caustic map") + ms("refraction") + ms("light shadows") + ms("landing");
-        const double pass = before + ms("footprints");
+        const double bare = ms("bare map") + ms("bare landing") + ms("bare shadows");
+        const double traced = ms("caustic map") + ms("refraction") + ms("light shadows") + ms("landing");
+        const double pass = traced + ms("footprints");
+        const double photons = static_cast<double>(photons_), covered = bare_raster_.covered();
+        std::printf("%d^2: %.2f M photons, %.2f M splats of %.1f pixels; CPU ms\n", side, 1e-6 * photons,
+                    1e-6 * static_cast<double>(splats_), covered / static_cast<double>(splats_));
         std::printf(
-            "%5d^2 %12.0f %6.0f %6.0f %7.0f %6.0f | %10.0f %5.0f %6.0f | %5.2f %19.2f | %9.0f %5.0f %5.2f | "
-            "%10.2f | %6.2fM %5.2fM %6.0f\n",
-            side, ms("caustic map"), ms("refraction"), ms("light shadows"), ms("landing"), ms("footprints"),
-            ms("bare map"), ms("bare landing"), ms("bare shadows"), pass / bare, before / bare,
-            ms("splatting"), ms("bare splatting"), ms("splatting") / ms("bare splatting"),
-            (pass + ms("splatting")) / (bare + ms("bare splatting")), 1e-6 * double(photons_),
-            1e-6 * double(splats_), 1e6 * pass / double(photons_));
+            "  map %.0f, refraction %.0f, shadow rays %.0f, landing rays %.0f, footprints %.0f; "
+            "splatting %.0f\n",
+            ms("caustic map"), ms("refraction"), ms("light shadows"), ms("landing"), ms("footprints"),
+            ms("splatting"));
+        std::printf("  bare: map %.0f, shadow rays %.0f, landing rays %.0f; sprites %.0f\n", ms("bare map"),
+                    ms("bare shadows"), ms("bare landing"), ms("bare splatting"));
+        std::printf("  ratio: map to landing %.2f, with footprints %.2f; splatting %.2f; all %.2f\n",
+                    traced / bare, pass / bare, ms("splatting") / ms("bare splatting"),
+                    (pass + ms("splatting")) / (bare + ms("bare splatting")));
+        std::printf("  ns: a photon %.0f; splatting, a splat %.0f, a covered pixel %.1f\n",
+                    1e6 * pass / photons, 1e6 * ms("splatting") / static_cast<double>(splats_),
+                    1e6 * ms("splatting") / covered);
         std::fflush(stdout);
     }
 
@@ -364,6 +370,5 @@ int main(int count, char** arguments) {
                   [](const scene::Object& o) { return o.shape == scene::Shape::sphere; });
     frame.object_meshes.resize(frame.state.objects.size());
     Bench bench(frame);
-    Bench::print_head();
     for (const int side : sides) bench.run(side, repetitions);
 }
