@@ -13,10 +13,11 @@
 namespace dapple::judge {
 namespace {
 
-/// What no method could keep.
-constexpr std::array<std::string_view, 5> kNatural = {
-    "lost to media before the surface, W", "lost to absorption in glass, W", "lost to total reflection, W",
-    "lost outside cones, W", "lost beyond the scene, W"};
+/// What no method could keep. (Light "lost to wave shadow" falls on the wave that throws the shadow.)
+constexpr std::array<std::string_view, 6> kNatural = {
+    "lost to wave shadow, W",         "lost to media before the surface, W",
+    "lost to absorption in glass, W", "lost to total reflection, W",
+    "lost outside cones, W",          "lost beyond the scene, W"};
 constexpr const char* kAllLight = "light on specular surfaces, W";
 
 std::string change(double share) {

@@ -50,7 +50,7 @@ ScatteredVerdict judge_scattered(const ErrorJudge& judge, const run::OutputPaths
                                  const ScatteredEvidence& evidence);
 
 /// Light that counts name as lost and that a reference would not lose, W: all of "lost ..., W" but for what
-/// is absorbed, sent into another chain, or leaves the scene.
+/// is absorbed, sent into another chain, leaves the scene, or falls on another wave.
 double lost_by_method(const std::map<std::string, double>& counts);
 
 }  // namespace dapple::judge

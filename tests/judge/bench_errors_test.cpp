@@ -201,6 +201,7 @@ TEST_F(ScatteredVerdictTest, LossesOfTheMethodsOwnAccountForMissingLight) {
     EXPECT_EQ(verdict(dark, with("lost in weak beams, W", 4.4)).verdict, Verdict::fails);
     // The reference does not have what no method could keep, either.
     EXPECT_EQ(verdict(dark, with("lost beyond the scene, W", 25)).verdict, Verdict::fails);
+    EXPECT_EQ(verdict(dark, with("lost to wave shadow, W", 25)).verdict, Verdict::fails);
     // Losses are no excuse for light that is too much.
     EXPECT_EQ(verdict({.light = 1, .scattered = 1.1f}, with("lost in weak beams, W", 10)).verdict,
               Verdict::fails);
