@@ -70,13 +70,16 @@ std::vector<bool> seen_straight(const scene::FrameState& state) {
     }
     // The reference's pixel is an area: beside a pixel that is not straight some of it may not be either.
     std::vector<bool> inside = straight;
+    const auto index = [&](int x, int y) {
+        return static_cast<std::size_t>(y) * static_cast<std::size_t>(clip.width) +
+               static_cast<std::size_t>(x);
+    };
     for (int y = 0; y < clip.height; ++y) {
         for (int x = 0; x < clip.width; ++x) {
             for (int k = 0; k < 9; ++k) {
                 const int px = std::clamp(x + k % 3 - 1, 0, clip.width - 1);
                 const int py = std::clamp(y + k / 3 - 1, 0, clip.height - 1);
-                if (!straight[static_cast<std::size_t>(py * clip.width + px)])
-                    inside[static_cast<std::size_t>(y * clip.width + x)] = false;
+                if (!straight[index(px, py)]) inside[index(x, y)] = false;
             }
         }
     }
