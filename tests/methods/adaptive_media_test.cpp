@@ -272,6 +272,45 @@ TEST(Fog, InTheAirScattersAndDimsWhatTheWaterMirrors) {
     EXPECT_LT(worst, 1e-4);
 }
 
+TEST(Fog, NarrowerThanABeamIsLitByAllThatTheWaterMirrors) {
+    // Few rays of light meet the box, if any; what it dims is next to nothing.
+    scene::FrameScene scene = pool(50);
+    scene.state.media = {medium(scene::MediumType::box, {0.5, 0.4, 0.3})};
+    scene.state.media[0].side = scene::MediumSide::air;
+    scene.state.media[0].density = 1e-4;
+    scene.state.media[0].transform.rotation = {0.3, 0.5, -0.2};
+    scene.state.camera.position = {0.3, 1.4, 1.5};
+    const double mirrored = 1 - test::flat_floor(40, 1, kIndex).irradiance / std::sin(50 * scene::kDegree);
+    for (const double x : {-0.3, 0.1, 0.6}) {
+        scene.state.media[0].transform.position = {x, 0.7, -0.1};
+        scene.state.camera.target = scene.state.media[0].transform.position;
+        Frame frame(scene, light::Event::reflection);
+        const media::Media media(scene);
+        view::SegmentLayer segments;
+        frame.receivers(0, segments);
+        const std::vector<glm::vec3> radiance = frame.in_scatter(segments);
+        double worst = 0;
+        std::size_t tested = 0;
+        for (std::size_t i = 0; i < segments.segments(); ++i) {
+            if (!segments.primary[i] || segments.in_water[i]) continue;
+            const glm::dvec3 depth =
+                media.optical_depth(glm::dvec3(segments.origin[i]), glm::dvec3(segments.direction[i]),
+                                    static_cast<double>(segments.length[i]), false);
+            if (depth.x < 1e-6) continue;
+            ++tested;
+            for (int c = 0; c < 3; ++c) {
+                const double s = depth[c] * scene.state.media[0].albedo[c] * kIsotropic *
+                                 scene.state.lights[0].irradiance[c] * mirrored;
+                worst = std::max(worst, std::abs(static_cast<double>(radiance[i][c]) / s - 1));
+            }
+        }
+        printf("narrow fog at %.1f: S of %zu pixels off by %.1e\n", x, tested, worst);
+        EXPECT_GT(tested, 100u);
+        // Three ways through the box, of optical depth 1e-4 at most; floats near its edges.
+        EXPECT_LT(worst, 2e-3);
+    }
+}
+
 /// Murky water with a grid whose density grows with depth and to the side, and a box beside it that both have
 /// phase functions of their own.
 scene::FrameScene mixed() {

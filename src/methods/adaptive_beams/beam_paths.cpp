@@ -5,6 +5,8 @@
 
 #include "base/hash.h"
 #include "base/parallel.h"
+#include "media/ray_box.h"
+#include "methods/adaptive_beams/box_reach.h"
 #include "view/camera_medium.h"
 #include "view/crossing.h"
 #include "view/glass_bodies.h"
@@ -104,8 +106,6 @@ PathTracer::PathTracer(const scene::FrameScene& scene, const rays::RayScene& ray
         grow(lower_, upper_, lower);
         grow(lower_, upper_, upper);
     }
-    for (std::size_t i = 0; i < scene.state.media.size(); ++i)
-        if (!media::Body::is_empty(scene, i)) bodies_.emplace_back(scene, i);
     const auto& components = media.components();
     if (!components.empty() && mean(components[0].scattering) > 0) {
         // The water itself is seen wherever there is light in it: as far as light lasts, and no farther
@@ -141,24 +141,37 @@ bool PathTracer::is_glass(std::uint32_t object) const {
     return object != rays::kNoHit && scene_.state.objects[object].material.glass;
 }
 
-/// m: where a leg that meets nothing ends. Past it nothing is lit, and nothing scatters that could be seen.
+/// m: where a ray leaves the bounds of all objects; 0: it does not pass them.
+double PathTracer::past_objects(const glm::dvec3& start, const glm::dvec3& direction) const {
+    const media::Interval inside = media::inside_box({start, direction}, lower_, upper_, {0, kInfinity});
+    return inside.empty() || inside.end == kInfinity ? 0 : inside.end;
+}
+
+/// m: where a leg that meets nothing ends. Past it nothing is lit, and nothing scatters that could be seen:
+/// not between rays of one beam either, so that all go by a medium that one of them may miss.
 double PathTracer::cut(const glm::dvec3& start, const glm::dvec3& direction, bool in_water) const {
-    double first = 0, last = kInfinity;
-    for (int i = 0; i < 3; ++i) {
-        const double a = (lower_[i] - start[i]) / direction[i], b = (upper_[i] - start[i]) / direction[i];
-        if (direction[i] == 0) {
-            if (start[i] < lower_[i] || start[i] > upper_[i]) last = 0;
-            continue;
-        }
-        first = std::max(first, std::min(a, b));
-        last = std::min(last, std::max(a, b));
-    }
-    double end = last > first && last < kInfinity ? last : 0;
-    for (const media::Body& body : bodies_) {
-        const media::Interval overlap = body.overlap(start, direction, kInfinity);
-        if (!overlap.empty()) end = std::max(end, overlap.end);
-    }
+    double end = past_objects(start, direction);
+    for (const media::Part& part : media_.parts())
+        if (part.on(in_water)) end = std::max(end, farthest_corner(part.body.place(), start));
     return in_water ? std::max(end, farthest_in_water_) : end;
+}
+
+bool PathTracer::lights(const std::array<const PathLeg*, 3>& legs) const {
+    std::array<glm::dvec3, 6> corners;
+    glm::dvec3 way(0);
+    for (std::size_t k = 0; k < 3; ++k) {
+        const PathLeg& leg = *legs[k];
+        if (leg.end != kEndsNowhere ? leg.length > 0 : past_objects(leg.start, leg.direction) > 0)
+            return true;
+        if (leg.in_water && farthest_in_water_ > 0) return true;
+        corners[k] = leg.start;
+        corners[3 + k] = leg.start + leg.length * leg.direction;
+        way += leg.direction;
+    }
+    const std::vector<media::Part>& parts = media_.parts();
+    return std::any_of(parts.begin(), parts.end(), [&](const media::Part& part) {
+        return part.on(legs[0]->in_water) && may_meet(part.body.place(), corners, way);
+    });
 }
 
 /// How far a way may meet the water: not at all within glass (-1). Where the water and a face of glass meet,

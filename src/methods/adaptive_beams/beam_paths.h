@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "light/beam_mesh.h"
-#include "media/body.h"
 #include "media/media.h"
 #include "methods/adaptive_beams/light_view.h"
 #include "rays/ray_scene.h"
@@ -102,6 +101,10 @@ public:
     int lamp_inside() const { return lamp_inside_; }
     const LightView& view() const { return view_; }
 
+    /// Whether a beam of these legs, which end alike, may light anything that can be seen: where they meet
+    /// nothing, it may pass all objects and media, those that lie between its rays too.
+    bool lights(const std::array<const PathLeg*, 3>& legs) const;
+
     /// What rays met, an entry a (u, v); on all threads.
     void trace(std::span<const glm::dvec2> uv, std::span<VertexPaths> vertices) const;
     /// The same, as if the surface that is met first had these unit normals (towards the light) there.
@@ -128,6 +131,7 @@ private:
                     std::vector<Way>& next) const;
     bool water_outside(const view::SurfacePoint& point) const;
     bool is_glass(std::uint32_t object) const;
+    double past_objects(const glm::dvec3& start, const glm::dvec3& direction) const;
     double cut(const glm::dvec3& start, const glm::dvec3& direction, bool in_water) const;
     std::uint64_t surface_id(const Meeting& meeting) const;
     double index_outside(bool in_water) const;
@@ -144,7 +148,6 @@ private:
     view::SurfaceGeometry geometry_;
     glm::dvec3 lower_{std::numeric_limits<double>::infinity()};  ///< m, of all that can be lit
     glm::dvec3 upper_{-std::numeric_limits<double>::infinity()};
-    std::vector<media::Body> bodies_;
     double farthest_in_water_ = 0;  ///< m, that light in the water is followed for the camera's sake
 };
 

@@ -141,9 +141,8 @@ private:
     void add_beam(const Piece& piece, std::size_t leg) {
         const glm::dvec3 flux =
             piece.extent * piece.scale * mean_of(piece, Arriving{leg + 1}) * view_.color();
-        const auto leg_of = [&](std::size_t i) -> const PathLeg& { return path(piece.rays[i]).legs[leg]; };
-        const auto nowhere = [&](std::size_t i) { return !(leg_of(i).length > 0); };
-        if (nowhere(0) && nowhere(1) && nowhere(2)) {
+        const auto leg_of = [&](std::size_t i) { return &path(piece.rays[i]).legs[leg]; };
+        if (!tracer_.lights({leg_of(0), leg_of(1), leg_of(2)})) {
             lose(Cause::beyond, flux / view_color());
             return;
         }
