@@ -8,6 +8,7 @@
 #include "media/media.h"
 #include "methods/sliced_beams/scatter_sheet.h"
 #include "methods/sliced_beams/volume_light.h"
+#include "scene/transform.h"
 
 namespace dapple {
 namespace {
@@ -57,6 +58,29 @@ std::vector<glm::dvec3> scattered(const scene::FrameScene& scene, const SheetSet
         }
     }
     return result;
+}
+
+/// S with all media of the scene.
+std::vector<glm::vec3> scattered_by_all(const scene::FrameScene& scene,
+                                        const std::vector<Segment>& segments) {
+    const SheetSet<float> set(scene, Event::transmission, 6);
+    view::SegmentLayer layer;
+    layer.width = static_cast<int>(segments.size());
+    layer.height = 1;
+    for (const Segment& s : segments) {
+        layer.first.push_back(static_cast<std::uint32_t>(layer.origin.size()));
+        layer.origin.emplace_back(s.origin);
+        layer.direction.emplace_back(s.direction);
+        layer.length.push_back(static_cast<float>(s.length));
+        layer.in_water.push_back(1);
+        layer.primary.push_back(1);
+    }
+    layer.first.push_back(static_cast<std::uint32_t>(layer.origin.size()));
+    std::vector<glm::vec3> radiance(segments.size(), glm::vec3(0));
+    FrameStats stats;
+    ScatterCounts counts;
+    methods::sliced_beams::VolumeLight(scene, set.sheets(), stats).add(layer, radiance, counts);
+    return radiance;
 }
 
 class ScatterFlat : public testing::TestWithParam<double> {
@@ -159,23 +183,7 @@ TEST_P(ScatterFlat, ABoxOfMediumInClearWaterIsThickWater) {
     box.extinction = (scene.state.water->extinction() - parted.state.water->extinction()) / 2.0;
     box.albedo = scene.state.water->scattering / (2.0 * box.extinction);
     const std::vector<Segment> segments = this->segments(GetParam());
-    const SheetSet<float> set(parted, Event::transmission, 6);
-    view::SegmentLayer layer;
-    layer.width = static_cast<int>(segments.size());
-    layer.height = 1;
-    for (const Segment& s : segments) {
-        layer.first.push_back(static_cast<std::uint32_t>(layer.origin.size()));
-        layer.origin.emplace_back(s.origin);
-        layer.direction.emplace_back(s.direction);
-        layer.length.push_back(static_cast<float>(s.length));
-        layer.in_water.push_back(1);
-        layer.primary.push_back(1);
-    }
-    layer.first.push_back(static_cast<std::uint32_t>(layer.origin.size()));
-    std::vector<glm::vec3> radiance(segments.size(), glm::vec3(0));
-    FrameStats stats;
-    ScatterCounts counts;
-    methods::sliced_beams::VolumeLight(parted, set.sheets(), stats).add(layer, radiance, counts);
+    const std::vector<glm::vec3> radiance = scattered_by_all(parted, segments);
     double worst = 0;
     for (std::size_t i = 0; i < segments.size(); ++i) {
         const glm::dvec3 e = expected(scene, GetParam(), segments[i]);
@@ -186,6 +194,47 @@ TEST_P(ScatterFlat, ABoxOfMediumInClearWaterIsThickWater) {
     // Pieces of 0.1 optical depths, the light's way taken to their middles: 0.1 * 0.1 / 12 where both dim one
     // way.
     EXPECT_LT(worst, 1e-3);
+}
+
+TEST_P(ScatterFlat, ATiltedBoxThatLightEntersByAMillimetreIsAHalfSpace) {
+    // Rays of light a tenth of a metre apart meet the face hundreds of optical depths apart. Both ways into a
+    // half space with a face of normal n dim by its depth z: the integral of e^-(z / l + z / v) dz / v, with
+    // cosines l of the light and v of the segment to n.
+    scene::FrameScene scene = this->scene(GetParam());
+    scene.state.water->absorption = scene.state.water->scattering = {0, 0, 0};
+    scene::Medium& box = scene.state.media.emplace_back();
+    box.type = scene::MediumType::box;
+    box.side = scene::MediumSide::water;
+    box.size = {4, 1, 4};
+    box.transform.rotation = {glm::radians(7.0), glm::radians(20.0), glm::radians(11.0)};
+    box.transform.position = {0.1, -1.2, -0.2};
+    box.extinction = {3000, 1000, 500};
+    box.albedo = {0.9, 0.5, 0.8};
+    const glm::dmat4 world = scene::world_from_object(box.transform);
+    const glm::dvec3 normal(world[1]), face = box.transform.position + 0.5 * normal;
+    std::vector<Segment> segments;
+    for (int i = 0; i < 40; ++i) {
+        const glm::dvec3 in_face(0.3 * std::cos(1.9 * i), 0, 0.3 * std::sin(3.1 * i));
+        const glm::dvec3 from_face(std::cos(2.3 * i), 0.6 + 0.05 * i, std::sin(2.3 * i));
+        const glm::dvec3 back = glm::normalize(glm::dvec3(world * glm::dvec4(from_face, 0)));
+        segments.push_back({face + glm::dvec3(world * glm::dvec4(in_face, 0)) + 0.2 * back, -back, 0.6});
+    }
+    const std::vector<glm::vec3> radiance = scattered_by_all(scene, segments);
+    const double sin_t = std::sin(glm::radians(GetParam())) / kIndex, cos_t = std::sqrt(1 - sin_t * sin_t);
+    const double light = std::abs(glm::dot(normal, glm::dvec3(sin_t, -cos_t, 0)));
+    double worst = 0;
+    for (std::size_t i = 0; i < segments.size(); ++i) {
+        const double view = std::abs(glm::dot(normal, segments[i].direction));
+        for (int c = 0; c < 3; ++c) {
+            const double fluence = scene.state.lights[0].irradiance[c] *
+                                   test::flat_floor(GetParam(), 1, kIndex).irradiance / cos_t;
+            const double e = fluence * box.albedo[c] * 0.25 / glm::pi<double>() / (1 + view / light);
+            worst = std::max(worst, std::abs(static_cast<double>(radiance[i][c]) / e - 1));
+        }
+    }
+    printf("sun %2.0f deg from the zenith, tilted dense box: S off by %.1e\n", GetParam(), worst);
+    // Pieces of 0.1 optical depths as in a level box; places are rounded to 3e-7 m, 1e-3 of an optical depth.
+    EXPECT_LT(worst, 2.5e-3);
 }
 
 TEST_P(ScatterFlat, ABoxOfMediumDimsAFloorAsThickWaterDoes) {

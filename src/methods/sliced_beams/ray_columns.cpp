@@ -2,18 +2,36 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 #include "base/parallel.h"
 
 namespace dapple::methods::sliced_beams {
+namespace {
+
+/// Optical depths between the three rays above which the mean ray is asked itself: where a ray has met
+/// nothing yet, a face may part them, on which linear interpolation is off by up to a quarter of that; where
+/// all are inside, hardly ever.
+constexpr double kParted = 0.1, kUnlike = 0.5;
+/// Light beyond so many optical depths needs no exact one.
+constexpr double kOpaque = 60;
+
+}  // namespace
 
 template <class Real>
-RayColumns<Real>::RayColumns(const media::Media& media, const light::BeamSheet<Real>& sheet) {
+RayColumns<Real>::RayColumns(std::shared_ptr<const media::Media> bodies, const light::BeamSheet<Real>& sheet)
+    : bodies_(std::move(bodies)), sheet_(&sheet) {
+    const media::Media& media = *bodies_;
     const bool in_water = sheet.in_water();
     if (!media.bounded(in_water)) return;
     const std::vector<media::Component>& components = media.components();
     media_ = components.size() - 1;
-    for (std::size_t c = 1; c <= media_; ++c) extinction_.push_back(components[c].extinction);
+    for (std::size_t c = 1; c <= media_; ++c) {
+        const glm::dvec3& e = extinction_.emplace_back(components[c].extinction);
+        least_.push_back(std::min({e.x, e.y, e.z}));
+        most_.push_back(std::max({e.x, e.y, e.z}));
+    }
     const std::size_t size = 2 + kPoints * media_;
     // m; a bounded medium that matters is nearer to the water than that.
     constexpr double kReach = 1e4;
@@ -78,10 +96,15 @@ RayColumns<Real>::RayColumns(const media::Media& media, const light::BeamSheet<R
 
 template <class Real>
 glm::dvec3 RayColumns<Real>::optical_depth(const glm::uvec3& vertices, const glm::dvec3& weights,
-                                           double depth) const {
+                                           double depth, glm::dvec2 shift) const {
     glm::dvec3 sum(0);
+    // Of the three: in the densest channel, and in the clearest.
+    double first = std::numeric_limits<double>::infinity(), last = 0, clearest = first;
     for (int k = 0; k < 3; ++k) {
-        if (first_[vertices[k]] == kNone) continue;
+        if (first_[vertices[k]] == kNone) {
+            first = clearest = 0;
+            continue;
+        }
         const float* entry = columns_.data() + first_[vertices[k]];
         const double place =
             std::clamp((depth - static_cast<double>(entry[0])) / static_cast<double>(entry[1]), 0.0,
@@ -89,11 +112,43 @@ glm::dvec3 RayColumns<Real>::optical_depth(const glm::uvec3& vertices, const glm
         const std::size_t cell = std::min(static_cast<std::size_t>(place), kPoints - 2);
         const double t = place - static_cast<double>(cell);
         const float* at = entry + 2 + cell * media_;
-        for (std::size_t m = 0; m < media_; ++m)
-            sum += weights[k] * glm::mix(static_cast<double>(at[m]), static_cast<double>(at[m + media_]), t) *
-                   extinction_[m];
+        double densest_here = 0, clearest_here = 0;
+        for (std::size_t m = 0; m < media_; ++m) {
+            const double column =
+                glm::mix(static_cast<double>(at[m]), static_cast<double>(at[m + media_]), t);
+            sum += weights[k] * column * extinction_[m];
+            densest_here += column * most_[m];
+            clearest_here += column * least_[m];
+        }
+        first = std::min(first, densest_here);
+        last = std::max(last, densest_here);
+        clearest = std::min(clearest, clearest_here);
     }
+    if (last - first > (first > 0 ? kUnlike : kParted) && clearest < kOpaque)
+        return exact_depth(vertices, weights, depth, shift);
     return sum;
+}
+
+template <class Real>
+glm::dvec3 RayColumns<Real>::exact_depth(const glm::uvec3& vertices, const glm::dvec3& weights, double depth,
+                                         glm::dvec2 shift) const {
+    if (!(depth > 0)) return glm::dvec3(0);
+    glm::dvec3 origin(0), slope(0, 0, 1);
+    double start = 0;
+    for (int k = 0; k < 3; ++k) {
+        const auto& ray = sheet_->rays[vertices[k]];
+        origin += weights[k] * glm::dvec3(ray.a, ray.b, 0);
+        slope += weights[k] * glm::dvec3(ray.slope_a, ray.slope_b, 0);
+        start += weights[k] * static_cast<double>(sheet_->start[vertices[k]]);
+    }
+    origin += start * slope;
+    slope += glm::dvec3(shift, 0);
+    const double stretch = glm::length(slope);
+    const bool in_water = sheet_->in_water();
+    const glm::dvec3 all =
+        bodies_->optical_depth(sheet_->world_from_mesh * origin, sheet_->world_from_mesh * (slope / stretch),
+                               depth * stretch, in_water);
+    return in_water ? all - depth * stretch * bodies_->components()[0].extinction : all;
 }
 
 template class RayColumns<float>;

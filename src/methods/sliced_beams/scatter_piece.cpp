@@ -321,7 +321,7 @@ void ScatterQuery<Real>::add_part(const SegmentScatter& scatter, std::size_t pie
     const glm::uvec3& triangle = sheet_.coverage_.triangles()[beam_];
     glm::dvec3 dimmed(0);
     if (sheet_.coverage_.columns().dims(triangle))
-        dimmed = sheet_.coverage_.columns().optical_depth(triangle, w, depth - start);
+        dimmed = sheet_.coverage_.columns().optical_depth(triangle, w, depth - start, direction_.shift);
     const double way = std::max(0.0, (depth - start) * stretch);
     for (int c = 0; c < 3; ++c) dimmed[c] += way * static_cast<double>(medium_.extinction[c]);
     const glm::dvec3 seen(at(segments_.to_a), at(segments_.to_b), at(segments_.to_depth));

@@ -56,22 +56,37 @@ SegmentScatter::SegmentScatter(const media::Media& media, const glm::dvec3& orig
             whole += column * components[c].extinction;
             lit |= is_lit(c);
         }
-        const double most = std::max({whole.x, whole.y, whole.z});
         if (std::min({depth.x, depth.y, depth.z}) > kOpaque) break;
         if (!lit && place_.empty()) {  // nothing yet
             depth += whole;
             continue;
         }
+        const auto depth_at = [&](double t) {
+            glm::dvec3 sum = depth;
+            for (std::size_t c = 0; c < components_; ++c)
+                sum += height * density[c].column(t) * components[c].extinction;
+            return sum;
+        };
+        const auto opaque_at = [&](double t) {
+            const glm::dvec3 sum = depth_at(t);
+            return std::min({sum.x, sum.y, sum.z}) > kOpaque;
+        };
+        double reach = 1;  // share of the piece from which light comes
+        if (lit && opaque_at(1)) {
+            double clear = 0;
+            for (int halving = 0; halving < 40; ++halving) {
+                const double t = 0.5 * (clear + reach);
+                (opaque_at(t) ? reach : clear) = t;
+            }
+        }
+        const glm::dvec3 met = depth_at(reach) - depth;
+        const double most = std::max({met.x, met.y, met.z});
         const double parts =
-            lit ? std::clamp(std::ceil(std::max(most / kThin, height / kShort)), 1.0, kMostPieces) : 1;
+            lit ? std::clamp(std::ceil(std::max(most / kThin, reach * height / kShort)), 1.0, kMostPieces)
+                : 1;
         for (int part = 0; part < static_cast<int>(parts); ++part) {
-            const double t0 = part / parts, t1 = (part + 1) / parts, step = height / parts;
-            const auto depth_at = [&](double t) {
-                glm::dvec3 sum = depth;
-                for (std::size_t c = 0; c < components_; ++c)
-                    sum += height * density[c].column(t) * components[c].extinction;
-                return sum;
-            };
+            const double t0 = reach * part / parts, t1 = reach * (part + 1) / parts,
+                         step = reach * height / parts;
             const glm::dvec3 seen[3] = {glm::exp(-depth_at(t0)), glm::exp(-depth_at(0.5 * (t0 + t1))),
                                         glm::exp(-depth_at(t1))};
             place_.push_back(begin + t0 * height);
@@ -87,7 +102,7 @@ SegmentScatter::SegmentScatter(const media::Media& media, const glm::dvec3& orig
         depth += whole;
         if (!lit) continue;
         lit_pieces = place_.size();
-        end = begin + height;
+        end = begin + reach * height;
     }
     if (place_.empty()) return;
     place_.resize(lit_pieces);
