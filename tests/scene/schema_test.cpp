@@ -93,8 +93,9 @@ TEST(Schema, ChoicesFollowTheirEnumerations) {
     const Structure& objects = *frame_schema().find("objects", {})->structure;
     const Structure& water = *frame_schema().find("water", {})->structure;
     const Structure& surface = *water.find("surface", {})->structure;
-    const auto index = [](const Structure& structure, const char* key, const char* name) {
-        const auto& choices = structure.find(key, {})->choices;
+    const auto index = [](const Structure& structure, const char* key, const char* name,
+                          std::string_view type = {}) {
+        const auto& choices = structure.find(key, type)->choices;
         return std::find(choices.begin(), choices.end(), name) - choices.begin();
     };
     EXPECT_EQ(index(lights, "type", "spot"), static_cast<int>(LightType::spot));
@@ -114,9 +115,10 @@ TEST(Schema, ChoicesFollowTheirEnumerations) {
     EXPECT_EQ(index(water, "jerlov", "I"), static_cast<int>(JerlovType::I));
     EXPECT_EQ(index(water, "jerlov", "9C"), static_cast<int>(JerlovType::C9));
     EXPECT_EQ(index(caustics, "volume_resolution", "half"), static_cast<int>(VolumeResolution::half));
-    EXPECT_EQ(index(caustics, "buffer_scale", "half"), static_cast<int>(BufferScale::half));
-    EXPECT_EQ(index(caustics, "buffer_scale", "quarter"), static_cast<int>(BufferScale::quarter));
-    const Structure& denoise = *caustics.find("denoise", {})->structure;
+    EXPECT_EQ(index(caustics, "buffer_scale", "half", "sliced_beams"), static_cast<int>(BufferScale::half));
+    EXPECT_EQ(index(caustics, "buffer_scale", "quarter", "sliced_beams"),
+              static_cast<int>(BufferScale::quarter));
+    const Structure& denoise = *caustics.find("denoise", "sliced_beams")->structure;
     EXPECT_EQ(index(denoise, "filter", "fixed"), static_cast<int>(DenoiseFilter::fixed));
     EXPECT_EQ(index(denoise, "filter", "adaptive"), static_cast<int>(DenoiseFilter::adaptive));
     EXPECT_EQ(index(surface, "type", "spectrum"), static_cast<int>(WaterSurfaceType::spectrum));
