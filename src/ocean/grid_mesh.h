@@ -63,5 +63,8 @@ struct WaterExtremes {
 /// What grid_mesh needs.
 constexpr FieldMask kMeshFields = kHeight | kSlope;
 constexpr FieldMask kChoppyMeshFields = kMeshFields | kDisplacement | kDisplacementGradient;
+constexpr FieldMask mesh_fields(double choppiness) {
+    return choppiness != 0 ? kChoppyMeshFields : kMeshFields;
+}
 
 }  // namespace dapple::ocean

@@ -25,6 +25,17 @@ double shortest_wave(const scene::WaterSurface& surface) {
     return shortest;
 }
 
+glm::ivec2 periods_across(const scene::Water& water) {
+    const double period = water.surface.spectrum.period;
+    if (water.surface.type != scene::WaterSurfaceType::spectrum || !(period > 0)) return {1, 1};
+    const glm::dvec2 periods = glm::max(glm::round(water.extent.size / period), 1.0);
+    if (!(std::max(periods.x, periods.y) <= 1 << 30))
+        throw Error(
+            ExitCode::timeline_invalid,
+            "water.surface.period: more than 2^30 periods across the water's extent; ask for a longer one");
+    return glm::ivec2(periods);
+}
+
 int smooth_size_up(int n) {
     while (!is_smooth(n)) ++n;
     return n;
@@ -62,11 +73,15 @@ GridSize grid_size(const scene::Water& water) {
         x = std::ceil(kDefaultCellsPerWave * extent.x / size.shortest_wave);
         z = std::ceil(kDefaultCellsPerWave * extent.y / size.shortest_wave);
     }
-    const auto rounded_up = [&](double n) {
-        return fft && n < kTriangleLimit ? smooth_size_up(static_cast<int>(n)) : n;
+    const glm::ivec2 periods = fft ? periods_across(water) : glm::ivec2(1);
+    const auto rounded_up = [&](double n, double of) {
+        return fft && n < kTriangleLimit ? of * smooth_size_up(static_cast<int>(std::ceil(n / of))) : n;
     };
-    const double wanted_x = rounded_up(x);
-    const double wanted_z = rounded_up(z);
+    const auto rounded_down = [&](double n, double of) {
+        return of * smooth_size_down(std::max(1, static_cast<int>(n / of)));
+    };
+    const double wanted_x = rounded_up(x, periods.x);
+    const double wanted_z = rounded_up(z, periods.y);
     if (water.mesh_cells <= 0 && 2 * wanted_x * wanted_z > kDefaultTriangleCap) {
         size.capped = true;
         const double cells = kDefaultTriangleCap / 2;
@@ -75,14 +90,18 @@ GridSize grid_size(const scene::Water& water) {
         z = std::clamp(std::floor(z * shrink), 1.0, std::floor(cells / x));
         x = std::min(x, std::floor(cells / z));
         if (fft) {
-            x = smooth_size_down(static_cast<int>(x));
-            z = smooth_size_down(static_cast<int>(z));
+            x = rounded_down(x, periods.x);
+            z = rounded_down(z, periods.y);
         }
     } else {
         x = wanted_x;
         z = wanted_z;
     }
     if (!(2 * x * z <= kTriangleLimit)) {
+        if (water.mesh_cells <= 0)
+            throw Error(ExitCode::timeline_invalid,
+                        "water.surface.period: so many periods across the water's extent make more than 100 "
+                        "million triangles; ask for a longer one");
         throw Error(ExitCode::timeline_invalid, "water.mesh_cells: " + std::to_string(water.mesh_cells) +
                                                     " cells along x make more than 100 million triangles of "
                                                     "the water's extent; ask for fewer");

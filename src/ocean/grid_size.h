@@ -1,5 +1,6 @@
 #pragma once
 #include <cstddef>
+#include <glm/glm.hpp>
 
 #include "scene/frame_state.h"
 
@@ -30,6 +31,8 @@ struct GridSize {
 struct MeshCounts {
     std::size_t vertices = 0;
     std::size_t triangles = 0;
+    /// While a spectrum is evaluated: its modes and a tile of the sea, beside the fields of the vertices.
+    std::size_t spectrum_bytes = 0;
 };
 
 /// Whether the surface is `waves` or `spectrum` without any amplitude: exactly flat, whatever the mesh.
@@ -40,14 +43,18 @@ inline bool has_rings(const scene::Water& water) {
     return water.rings.inner_size > 0 && water.surface.type != scene::WaterSurfaceType::mesh_sequence;
 }
 
+/// Periods of a spectrum along x and z of the extent: the whole numbers nearest to what `period` asks for,
+/// one at least; 1 of all other surfaces. Error(timeline_invalid) for more than 2^30.
+glm::ivec2 periods_across(const scene::Water& water);
+
 /// m, of `waves` (one at least) and `spectrum`, whatever their amplitudes.
 double shortest_wave(const scene::WaterSurface& surface);
 
 /// Cells of the regular grid of `waves` and `spectrum` (a mesh_sequence brings its own mesh): `mesh_cells`
 /// along x and as many along z as make square cells, or 25 cells a shortest wave under a cap of 2.1 million
 /// triangles; waves count whatever their amplitude, so that a keyed amplitude leaves the mesh alone. Flat
-/// water has 2 by 2 cells. Sizes of a spectrum are of the form 2^a 3^b 5^c, for the FFT: rounded up, or down
-/// where the cap would be passed. Error(timeline_invalid) beyond kTriangleLimit.
+/// water has 2 by 2 cells. Of a spectrum each period has cells of the form 2^a 3^b 5^c, for the FFT: rounded
+/// up, or down where the cap would be passed. Error(timeline_invalid) beyond kTriangleLimit.
 GridSize grid_size(const scene::Water& water);
 
 /// The smallest number >= n, or the largest <= n, of the form 2^a 3^b 5^c; n >= 1.

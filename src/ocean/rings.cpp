@@ -15,14 +15,6 @@
 namespace dapple::ocean {
 namespace {
 
-/// Lines at its edge by which a level may move when the viewpoint crosses half of a cell of the next, and one
-/// cell of that more, so that whole cells of it come and go.
-constexpr double kMovingCells = 4;
-/// Finest cells across the extent: their indices are ints.
-constexpr double kMostLines = 1 << 30;
-
-constexpr std::array kFields{Field::height, Field::slope_x, Field::slope_z};
-
 /// One level in a frame.
 struct Level {
     Lattice lattice;
@@ -36,8 +28,15 @@ std::size_t vertices_of(const CellBox& box) {
 
 class RingMesh {
 public:
-    RingMesh(const RingLayout& rings, const WaveSum& waves, double time, glm::dvec2 viewpoint)
-        : rings_(rings), waves_(waves), time_(time), viewpoint_(viewpoint) {
+    RingMesh(const RingLayout& rings, const LinearWaves& waves, double choppiness, double time,
+             glm::dvec2 viewpoint)
+        : rings_(rings),
+          waves_(waves),
+          choppiness_(choppiness),
+          mask_(mesh_fields(choppiness)),
+          wanted_(fields_of(mask_)),
+          time_(time),
+          viewpoint_(viewpoint) {
         for (int l = 0; l < rings.levels(); ++l) levels_.push_back({rings.lattice(l, viewpoint)});
     }
 
@@ -56,7 +55,7 @@ public:
         }
         water_.one_sheet = true;
         extremes_.put(water_);
-        const double all = waves_.mean_square_slope();
+        const double all = waves_.mean_square_slope({});
         for (int l = 0; l < rings_.levels(); ++l) {
             const glm::dvec2 cell = rings_.cell(l);
             const bool last = l + 1 == rings_.levels();
@@ -91,15 +90,15 @@ private:
 
     /// Fields at the level's vertices, with the waves that go before its end by their weight, and morphed.
     SurfaceGrid fields(int l, const Lattice& lattice) const {
-        SurfaceGrid grid = waves_.grid(lattice, time_, kMeshFields, rings_.lasting_waves(l));
+        SurfaceGrid grid = waves_.grid(lattice, time_, mask_, rings_.lasting_waves(l));
         const auto columns = static_cast<std::size_t>(lattice.columns());
         if (waves_.any(rings_.last_waves(l))) {
-            const SurfaceGrid going = waves_.grid(lattice, time_, kMeshFields, rings_.last_waves(l));
+            const SurfaceGrid going = waves_.grid(lattice, time_, mask_, rings_.last_waves(l));
             for_vertices(lattice, [&](int row, int column) {
                 const std::size_t v =
                     static_cast<std::size_t>(row) * columns + static_cast<std::size_t>(column);
                 const double kept = 1 - morph(l, lattice, row, column);
-                for (const Field field : kFields) grid[field][v] += kept * going[field][v];
+                for (const Field field : wanted_) grid[field][v] += kept * going[field][v];
             });
         }
         // Vertices with an odd index take the mean of the two between which they lie on the next level's
@@ -115,7 +114,7 @@ private:
             };
             const std::size_t v = at(row, column), a = at(row + odd.y, column - odd.x),
                               b = at(row - odd.y, column + odd.x);
-            for (const Field field : kFields) {
+            for (const Field field : wanted_) {
                 const double mean = 0.5 * (grid[field][a] + grid[field][b]);
                 grid[field][v] = weight < 1 ? (1 - weight) * grid[field][v] + weight * mean : mean;
             }
@@ -147,7 +146,7 @@ private:
                 static_cast<std::size_t>(row) * static_cast<std::size_t>(lattice.columns()) +
                 static_cast<std::size_t>(column);
             const WaterVertex vertex = water_vertex(
-                lattice.x(column), lattice.z(row), [&](Field field) { return grid[field][v]; }, 0);
+                lattice.x(column), lattice.z(row), [&](Field field) { return grid[field][v]; }, choppiness_);
             const std::uint32_t to = index(l, lattice.box.lower + glm::ivec2(column, row));
             mesh_.positions[to] = vertex.position;
             mesh_.normals[to] = vertex.normal;
@@ -218,7 +217,10 @@ private:
     }
 
     const RingLayout& rings_;
-    const WaveSum& waves_;
+    const LinearWaves& waves_;
+    double choppiness_;
+    FieldMask mask_;
+    std::vector<Field> wanted_;
     double time_;
     glm::dvec2 viewpoint_;
     std::vector<Level> levels_;
@@ -229,91 +231,9 @@ private:
 
 }  // namespace
 
-RingLayout::RingLayout(const scene::Water& water)
-    : extent_(water.extent), across_((water.rings.cells + 3) / 4 * 4) {
-    // Of sizes that are whole multiples round-off makes no further cells.
-    constexpr double kRounding = 1e-9;
-    const double inner = water.rings.inner_size;
-    const double longer = std::max(extent_.size.x, extent_.size.y);
-    const double doublings = std::max(0.0, std::ceil(std::log2(longer / inner) - kRounding));
-    const double coarse = inner / across_ * std::exp2(doublings);
-    const glm::dvec2 cells = glm::max(glm::ceil(extent_.size / coarse - kRounding), 1.0);
-    if (!(std::max(cells.x, cells.y) * std::exp2(doublings) <= kMostLines))
-        throw Error(ExitCode::timeline_invalid,
-                    "water.rings.inner_size: cells so small beside the water's extent are more than 2^30 "
-                    "across it; ask for a larger one");
-    levels_ = 1 + static_cast<int>(doublings);
-    coarsest_ = glm::ivec2(cells);
-    if (most().triangles > static_cast<std::size_t>(kTriangleLimit))
-        throw Error(ExitCode::timeline_invalid, "water.rings.cells: " + std::to_string(water.rings.cells) +
-                                                    " cells across make more than 100 million triangles; "
-                                                    "ask for fewer");
-}
-
-glm::ivec2 RingLayout::lattice_cells(int level) const {
-    return coarsest_ * (1 << (levels_ - 1 - level));
-}
-
-glm::dvec2 RingLayout::cell(int level) const {
-    return extent_.size / glm::dvec2(lattice_cells(level));
-}
-
-CellBox RingLayout::box(int level, glm::dvec2 viewpoint) const {
-    const glm::ivec2 all = lattice_cells(level);
-    if (level + 1 == levels_) return {{0, 0}, all};
-    const glm::dvec2 line = (viewpoint - extent_.center + 0.5 * extent_.size) / cell(level + 1);
-    // Far beyond the extent is as good as beyond it.
-    const glm::ivec2 middle =
-        2 * glm::ivec2(glm::clamp(glm::round(line), glm::dvec2(-across_), glm::dvec2(all + across_)));
-    return {glm::clamp(middle - across_ / 2, glm::ivec2(0), all),
-            glm::clamp(middle + across_ / 2, glm::ivec2(0), all)};
-}
-
-Lattice RingLayout::lattice(int level, glm::dvec2 viewpoint) const {
-    Lattice lattice{extent_, lattice_cells(level), box(level, viewpoint)};
-    if (level == 0) return lattice;
-    const CellBox inside = box(level - 1, viewpoint);
-    if (!inside.empty()) lattice.hole = {inside.lower / 2, inside.upper / 2};
-    return lattice;
-}
-
-double RingLayout::morph(int level, glm::dvec2 offset) const {
-    if (level + 1 == levels_) return 0;
-    const glm::dvec2 cells = glm::abs(offset) / cell(level);
-    const double begin = 0.375 * across_, end = 0.5 * across_ - kMovingCells;
-    const double t = std::clamp((std::max(cells.x, cells.y) - begin) / (end - begin), 0.0, 1.0);
-    return t * t * (3 - 2 * t);
-}
-
-WaveLengths RingLayout::last_waves(int level) const {
-    WaveLengths lengths = lasting_waves(level - 1);
-    lengths.end = lasting_waves(level).least;
-    return lengths;
-}
-
-WaveLengths RingLayout::lasting_waves(int level) const {
-    constexpr double infinity = std::numeric_limits<double>::infinity();
-    if (level < 0) return {0, infinity};
-    if (level + 1 == levels_) return {infinity, infinity};
-    const glm::dvec2 next = cell(level + 1);
-    return {kLeastCellsPerWave * std::max(next.x, next.y), infinity};
-}
-
-MeshCounts RingLayout::most() const {
-    const auto square = [](double side) { return side * side; };
-    const double across = across_;
-    double vertices = (coarsest_.x + 1.0) * (coarsest_.y + 1.0);
-    double triangles = 2.0 * coarsest_.x * coarsest_.y;
-    for (int level = 0; level + 1 < levels_; ++level) {
-        // The hole's side is cut into half as many of the next level's cells.
-        vertices += square(across + 1) - (level > 0 ? square(across / 2 + 1) : 0);
-        triangles += 2 * (square(across) - (level > 0 ? square(across / 2) : 0)) + 2 * across;
-    }
-    return {static_cast<std::size_t>(vertices), static_cast<std::size_t>(triangles)};
-}
-
-scene::WaterMesh ring_mesh(const RingLayout& rings, const WaveSum& waves, double time, glm::dvec2 viewpoint) {
-    return RingMesh(rings, waves, time, viewpoint).make();
+scene::WaterMesh ring_mesh(const RingLayout& rings, const LinearWaves& waves, double choppiness, double time,
+                           glm::dvec2 viewpoint) {
+    return RingMesh(rings, waves, choppiness, time, viewpoint).make();
 }
 
 }  // namespace dapple::ocean

@@ -1,64 +1,17 @@
 #pragma once
 #include <glm/glm.hpp>
 
-#include "ocean/grid_size.h"
-#include "ocean/lattice.h"
-#include "ocean/wave_sum.h"
-#include "scene/frame_state.h"
+#include "ocean/linear_waves.h"
+#include "ocean/ring_layout.h"
 #include "scene/mesh.h"
 
 namespace dapple::ocean {
-
-/// Fewest cells along a wave in a ring that has it.
-constexpr double kLeastCellsPerWave = 4;
-
-/// Nested rings of cells about a viewpoint, as geometry clipmaps have them (Losasso and Hoppe 2004): level 0
-/// is a square of `cells` by `cells`, each further level is a square twice as wide with cells twice as wide
-/// and a hole where the one inside it lies, and the last covers what is left of the extent. The cells of all
-/// levels belong to lattices that divide the extent, each level's every second line is one of the next, and
-/// every level ends at lines of the next: so vertices stay where they are while the viewpoint moves, and only
-/// come and go. `cells` is the timeline's, rounded up to a multiple of 4.
-///
-/// Towards its outer edge a level morphs: what lies between the vertices of the next level is moved onto that
-/// level's triangles, by a weight that is a continuous function of the place relative to the viewpoint, 0
-/// until 3/4 of the way to the edge and 1 over the last cells, which may come and go. By the same weight the
-/// waves go that the next level has fewer than 4 cells for (the finest level has all waves).
-class RingLayout {
-public:
-    /// `water.rings.inner_size` is above 0. Error(timeline_invalid) beyond kTriangleLimit.
-    explicit RingLayout(const scene::Water& water);
-
-    int levels() const { return levels_; }
-    /// Cells across a level, its hole included; the last level has others.
-    int across() const { return across_; }
-    /// Cells of a level's lattice across the extent.
-    glm::ivec2 lattice_cells(int level) const;
-    /// m, sides of a level's cells.
-    glm::dvec2 cell(int level) const;
-    /// What a level and those inside it cover, in the level's lattice.
-    CellBox box(int level, glm::dvec2 viewpoint) const;
-    /// The level's vertices that no finer level has. The vertices along its hole belong to that.
-    Lattice lattice(int level, glm::dvec2 viewpoint) const;
-    /// Weight in [0, 1] of the next level's surface, at a place relative to the viewpoint (x, z).
-    double morph(int level, glm::dvec2 offset) const;
-    /// Waves that this level is the last to have.
-    WaveLengths last_waves(int level) const;
-    /// Waves that further levels have too.
-    WaveLengths lasting_waves(int level) const;
-    /// No viewpoint makes more.
-    MeshCounts most() const;
-
-private:
-    scene::Extent extent_;
-    int levels_ = 1;
-    int across_ = 0;
-    glm::ivec2 coarsest_{1, 1};  ///< cells of the last level across the extent
-};
 
 /// The surface as rings about a viewpoint (x, z): one sheet, of which every edge within the extent has two
 /// triangles. Where a level's morph is 0 heights and normals are those of the waves that it has; normals
 /// leave out the slope of the weight by which waves go, which is some per cent of theirs. Fills in what
 /// grid_mesh does, and WaterMesh::rings.
-scene::WaterMesh ring_mesh(const RingLayout& rings, const WaveSum& waves, double time, glm::dvec2 viewpoint);
+scene::WaterMesh ring_mesh(const RingLayout& rings, const LinearWaves& waves, double choppiness, double time,
+                           glm::dvec2 viewpoint);
 
 }  // namespace dapple::ocean

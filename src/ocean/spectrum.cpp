@@ -65,10 +65,11 @@ std::vector<Mode> spectrum_modes(const scene::Spectrum& spectrum, glm::dvec2 siz
     const double longest_x = size.x / spectrum.cutoff_length;
     const double longest_z = size.y / spectrum.cutoff_length;
     if (!(kPi * longest_x * longest_z <= kModeLimit)) {
-        throw Error(
-            ExitCode::timeline_invalid,
-            "water.surface.cutoff_length: waves down to " + std::to_string(spectrum.cutoff_length) +
-                " m on this extent are more than 2 million; use a longer cut-off or a smaller extent");
+        throw Error(ExitCode::timeline_invalid,
+                    "water.surface.cutoff_length: waves down to " + std::to_string(spectrum.cutoff_length) +
+                        " m are more than 2 million in the sea's period, " + std::to_string(size.x) +
+                        " m by " + std::to_string(size.y) +
+                        " m; use a longer cut-off, a smaller extent or a shorter period");
     }
     const int rows = static_cast<int>(longest_z);
     const double shortest_k = 2 * kPi / spectrum.cutoff_length;

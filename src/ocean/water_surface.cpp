@@ -20,8 +20,8 @@ struct WaterSurface::State {
     scene::Water water;
     GridSize size;
     std::optional<RingLayout> rings;
-    std::optional<WaveSum> waves;  ///< also flat water of any type
-    std::optional<SpectrumSea> spectrum;
+    std::unique_ptr<const LinearWaves> waves;  ///< none of a mesh_sequence
+    double choppiness = 0;
 };
 
 WaterSurface::WaterSurface(const scene::Water& water) : state_(std::make_unique<State>()) {
@@ -30,20 +30,19 @@ WaterSurface::WaterSurface(const scene::Water& water) : state_(std::make_unique<
         state_->size.cells_x = state_->size.cells_z = 0;
         return;
     }
-    const bool flat = is_flat(water.surface);
     if (has_rings(water)) {
-        if (water.surface.type == WaterSurfaceType::spectrum && !flat)
-            throw Error(ExitCode::timeline_invalid, "water.rings: serve a surface of type waves only");
         state_->rings.emplace(water);
         state_->size.cells_x = state_->size.cells_z = 0;
     } else {
         state_->size = grid_size(water);
     }
-    if (water.surface.type == WaterSurfaceType::spectrum && !flat) {
-        state_->spectrum.emplace(water, state_->size);
+    if (water.surface.type == WaterSurfaceType::waves) {
+        state_->waves = std::make_unique<WaveSum>(water.surface.waves);
+    } else if (is_flat(water.surface)) {
+        state_->waves = std::make_unique<WaveSum>(scene::Waves{});
     } else {
-        if (water.surface.type == WaterSurfaceType::spectrum) state_->water.surface = {};
-        state_->waves.emplace(state_->water.surface.waves);
+        state_->waves = std::make_unique<SpectrumSea>(water);
+        state_->choppiness = water.surface.spectrum.choppiness;
     }
 }
 
@@ -66,7 +65,7 @@ std::string WaterSurface::key(const scene::Water& water) {
         case WaterSurfaceType::spectrum: {
             const scene::Spectrum& s = surface.spectrum;
             put("spectrum", s.wind_speed, s.wind_heading, s.fetch, s.depth, s.peak_enhancement, s.spreading,
-                s.choppiness, s.cutoff_length, s.amplitude_scale, s.loop, s.seed);
+                s.choppiness, s.cutoff_length, s.period, s.amplitude_scale, s.loop, s.seed);
             break;
         }
         case WaterSurfaceType::mesh_sequence: {
@@ -83,15 +82,13 @@ scene::WaterMesh WaterSurface::mesh(double time, glm::dvec2 viewpoint) const {
     const scene::WaterSurface& surface = state_->water.surface;
     if (surface.type == WaterSurfaceType::mesh_sequence) return sequence_mesh(surface.mesh_sequence, time);
 
-    const double choppiness = state_->spectrum ? surface.spectrum.choppiness : 0;
+    const double choppiness = state_->choppiness;
     scene::WaterMesh mesh =
-        state_->rings ? ring_mesh(*state_->rings, *state_->waves, time, viewpoint)
-                      : grid_mesh(state_->water.extent,
-                                  grid(time, choppiness != 0 ? kChoppyMeshFields : kMeshFields), choppiness);
+        state_->rings ? ring_mesh(*state_->rings, *state_->waves, choppiness, time, viewpoint)
+                      : grid_mesh(state_->water.extent, grid(time, mesh_fields(choppiness)), choppiness);
     // The sums of a height and of the bound are rounded in different orders.
     constexpr double rounding = 1 + 1e-12;
-    const double amplitudes =
-        rounding * (state_->spectrum ? state_->spectrum->amplitude_sum() : state_->waves->amplitude_sum());
+    const double amplitudes = rounding * state_->waves->amplitude_sum();
     mesh.height_bound = amplitudes;
     mesh.displacement_bound = std::abs(choppiness) * amplitudes;
     if (state_->rings) {
@@ -106,15 +103,14 @@ scene::WaterMesh WaterSurface::mesh(double time, glm::dvec2 viewpoint) const {
 }
 
 SurfaceGrid WaterSurface::grid(double time, FieldMask fields) const {
-    assert((state_->waves || state_->spectrum) && !state_->rings);
-    if (state_->spectrum) return state_->spectrum->grid(time, fields);
+    assert(state_->waves && !state_->rings);
     const glm::ivec2 cells(state_->size.cells_x, state_->size.cells_z);
-    return state_->waves->grid(Lattice::whole(state_->water.extent, cells), time, fields);
+    return state_->waves->grid(Lattice::whole(state_->water.extent, cells), time, fields, {});
 }
 
 SurfaceSample WaterSurface::sample(double x, double z, double time) const {
-    assert(state_->waves || state_->spectrum);
-    return state_->spectrum ? state_->spectrum->sample(x, z, time) : state_->waves->sample(x, z, time);
+    assert(state_->waves);
+    return state_->waves->sample(x, z, time);
 }
 
 GridSize WaterSurface::size() const {
@@ -123,9 +119,23 @@ GridSize WaterSurface::size() const {
 
 MeshCounts mesh_counts(const scene::Water& water) {
     if (water.surface.type == WaterSurfaceType::mesh_sequence) return {};
-    if (has_rings(water)) return RingLayout(water).most();
-    const GridSize size = grid_size(water);
-    return {size.vertices(), size.triangles()};
+    MeshCounts counts;
+    glm::ivec2 cells;
+    if (has_rings(water)) {
+        const RingLayout rings(water);
+        counts = rings.most();
+        cells = rings.lattice_cells(0);
+    } else {
+        const GridSize size = grid_size(water);
+        counts = {size.vertices(), size.triangles()};
+        cells = {size.cells_x, size.cells_z};
+    }
+    if (water.surface.type == WaterSurfaceType::spectrum && !is_flat(water.surface)) {
+        const FieldMask fields = mesh_fields(water.surface.spectrum.choppiness);
+        counts.spectrum_bytes =
+            static_cast<std::size_t>(SpectrumSea::making_bytes(water, cells / periods_across(water), fields));
+    }
+    return counts;
 }
 
 }  // namespace dapple::ocean

@@ -15,8 +15,8 @@ namespace dapple::ocean {
 /// parallel_for; the bits of their results do not depend on the number of threads.
 class WaterSurface {
 public:
-    /// Error(timeline_invalid) for a spectrum of too many modes, a mesh of too many triangles, a spectrum
-    /// with rings.
+    /// Error(timeline_invalid) for a spectrum of too many modes, a mesh of too many triangles, a tile of a
+    /// spectrum of too many points.
     explicit WaterSurface(const scene::Water& water);
     ~WaterSurface();
     WaterSurface(WaterSurface&&) noexcept;

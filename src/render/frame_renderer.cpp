@@ -346,7 +346,7 @@ std::size_t FrameRenderer::State::other_bytes(const scene::FrameState& given) {
     std::size_t sum = static_cast<std::size_t>(count * a_pixel);
     if (state.water && state.water->surface.type != scene::WaterSurfaceType::mesh_sequence) {
         const ocean::MeshCounts mesh = ocean::mesh_counts(*state.water);
-        sum += mesh.vertices * kWaterVertexBytes + mesh.triangles * kWaterTriangleBytes;
+        sum += mesh.vertices * kWaterVertexBytes + mesh.triangles * kWaterTriangleBytes + mesh.spectrum_bytes;
     }
     const methods::CausticMethod& method = kept.method(state.caustics.method);
     return sum + method.bytes(state, static_cast<std::size_t>(count)) +

@@ -71,7 +71,7 @@ struct Water {
     Extent extent;
     /// Triangles of the mesh: cells along x; 0 picks 25 cells a shortest wave, at most 2.1 million triangles.
     int mesh_cells = 0;
-    WaterRings rings;  ///< of `waves` only; in place of mesh_cells
+    WaterRings rings;  ///< of `waves` and `spectrum`; in place of mesh_cells
     double refractive_index = 1.333;
     /// Index at 450 nm less that at 650 nm (water: 0.0055), for light on its way to receivers: red has
     /// refractive_index - dispersion / 2, blue + dispersion / 2.

@@ -97,6 +97,13 @@ const Structure& surface_schema() {
                 .above(0)
                 .constant()
                 .only_for({kSpectrum}),
+            number<sea, &Spectrum::period>(
+                "period", Dimension::length,
+                "the sea repeats after it, rounded so that the extent is a whole number of periods; 0: "
+                "with the extent")
+                .at_least(0)
+                .constant()
+                .only_for({kSpectrum}),
             number<sea, &Spectrum::amplitude_scale>("amplitude_scale", Dimension::number,
                                                     "factor of all heights")
                 .within(0, 1000)

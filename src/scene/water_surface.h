@@ -22,7 +22,7 @@ struct Waves {
     double depth = 1e4;  ///< m, of the dispersion relation
 };
 
-/// JONSWAP sea by FFT; periodic with the extent of the water.
+/// JONSWAP sea by FFT.
 struct Spectrum {
     double wind_speed = 5;          ///< m/s at 10 m
     double wind_heading = 0;        ///< rad, as Wave::heading
@@ -33,7 +33,10 @@ struct Spectrum {
     double choppiness = 0;          ///< factor of the horizontal displacement
     double cutoff_length = 0.25;    ///< m, shortest wave
     double amplitude_scale = 1;     ///< factor on all heights
-    double loop = 0;                ///< s, period after which the sea repeats; 0: it does not
+    /// m, way after which the sea repeats along x and z, rounded so that the water's extent has whole ones;
+    /// 0: it repeats with the extent.
+    double period = 0;
+    double loop = 0;  ///< s, period after which the sea repeats; 0: it does not
     std::uint64_t seed = 1;
 };
 

@@ -147,15 +147,15 @@ private:
         const scene::MeshSequence& meshes = surface.mesh_sequence;
         if (surface.type == scene::WaterSurfaceType::mesh_sequence && meshes.last_file < meshes.first_file)
             fault(path + ".last_file", "comes before first_file, " + std::to_string(meshes.first_file));
+        const scene::Spectrum& sea = surface.spectrum;
+        if (sea.period > 0 && sea.period < sea.cutoff_length)
+            fault(path + ".period", "is shorter than cutoff_length, so that no wave fits into it");
     }
 
     void check_rings(const scene::Water& water) {
         if (!(water.rings.inner_size > 0)) return;
         if (water.surface.type == scene::WaterSurfaceType::mesh_sequence)
             fault("water.rings", "a mesh_sequence brings its own mesh");
-        else if (water.surface.type == scene::WaterSurfaceType::spectrum)
-            fault("water.rings",
-                  "serve a surface of type waves only: a spectrum is found on a regular grid of its extent");
         if (program_.given.count("water.mesh_cells") > 0)
             fault("water.mesh_cells", "is of a regular grid; rings.cells says how fine rings are");
     }

@@ -5,14 +5,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
 #include <numbers>
-#include <utility>
 #include <vector>
 
 #include "base/error.h"
 #include "base/hash.h"
+#include "ocean/ring_checks.h"
 #include "ocean/water_surface.h"
+#include "ocean/wave_sum.h"
 
 namespace dapple::ocean {
 namespace {
@@ -39,44 +39,13 @@ const std::vector<glm::dvec2> kViewpoints{{13, -4},        {20.12, 31.77},  {-18
                                           {213, 146},      {150, 500},      {-5000, 2e5},
                                           {-187.3, -60.4}, {14.25, -2.125}, {1e12, 0}};
 
-double projected_area(const scene::TriangleMesh& mesh, glm::uvec3 t) {
-    const glm::dvec3& a = mesh.positions[t.x];
-    return 0.5 * glm::cross(mesh.positions[t.y] - a, mesh.positions[t.z] - a).y;
-}
-
 TEST(Rings, CoverTheExtentOnceWithoutCracks) {
     const scene::Water water = open_sea();
     const WaterSurface surface(water);
-    const glm::dvec2 low = water.extent.center - 0.5 * water.extent.size, high = low + water.extent.size;
     for (const glm::dvec2 viewpoint : kViewpoints) {
         const scene::WaterMesh rings = surface.mesh(0.4, viewpoint);
-        const scene::TriangleMesh& mesh = rings.mesh;
         EXPECT_EQ(rings.rows, 0);
-        double area = 0;
-        std::map<std::pair<std::uint32_t, std::uint32_t>, int> sides;  // each way
-        for (const glm::uvec3& t : mesh.triangles) {
-            const double projected = projected_area(mesh, t);
-            ASSERT_GT(projected, 0);
-            area += projected;
-            for (int k = 0; k < 3; ++k) ++sides[{t[k], t[(k + 1) % 3]}];
-        }
-        // Round-off of some 30 000 additions, at most as many times 2e-16 each.
-        EXPECT_NEAR(area, 400 * 300, 1e-11 * 400 * 300);
-        std::vector<bool> used(mesh.positions.size());
-        double edge = 0;
-        for (const auto& [side, count] : sides) {
-            ASSERT_EQ(count, 1);
-            used[side.first] = true;
-            if (sides.count({side.second, side.first}) == 1) continue;
-            // Then it lies along the extent's edge.
-            const glm::dvec3 &a = mesh.positions[side.first], &b = mesh.positions[side.second];
-            const bool along_x = a.z == b.z && (a.z == low.y || a.z == high.y);
-            const bool along_z = a.x == b.x && (a.x == low.x || a.x == high.x);
-            ASSERT_TRUE(along_x || along_z);
-            edge += std::abs(a.x - b.x) + std::abs(a.z - b.z);
-        }
-        EXPECT_NEAR(edge, 1400, 1e-9);
-        EXPECT_EQ(std::count(used.begin(), used.end(), false), 0) << "vertices of no triangle";
+        expect_one_sheet(rings.mesh, water.extent, true);
     }
 }
 
@@ -126,13 +95,7 @@ TEST(Rings, HeightsAndNormalsAreThoseOfTheWavesThatTheyHave) {
     for (std::size_t v = 0; v < rings.mesh.positions.size(); ++v) {
         const glm::dvec3& p = rings.mesh.positions[v];
         const glm::dvec2 offset = glm::dvec2(p.x, p.z) - viewpoint;
-        // The finest level that has it.
-        const glm::dvec2 place = glm::dvec2(p.x, p.z) - water.extent.center + 0.5 * water.extent.size;
-        const auto has = [&](int of) {
-            return layout.box(of, viewpoint).holds(glm::ivec2(glm::round(place / layout.cell(of))));
-        };
-        int level = 0;
-        while (!has(level)) ++level;
+        const int level = finest_level(layout, water.extent, viewpoint, glm::dvec2(p.x, p.z));
         if (layout.morph(level, offset) != 0) continue;
         scene::Water kept = water;
         std::erase_if(kept.surface.waves.waves, [&](const scene::Wave& wave) {
@@ -149,34 +112,6 @@ TEST(Rings, HeightsAndNormalsAreThoseOfTheWavesThatTheyHave) {
     for (std::size_t level = 0; level < 7; ++level) EXPECT_GT(checked[level], 300) << level;
     EXPECT_LE(rings.largest_height, rings.height_bound);
 }
-
-/// Heights of a mesh as a function of the place, by the triangle there.
-class HeightField {
-public:
-    explicit HeightField(const scene::TriangleMesh& mesh) : mesh_(mesh) {}
-    double at(glm::dvec2 place, glm::dvec2* slope = nullptr) const {
-        for (const glm::uvec3& t : mesh_.triangles) {
-            const glm::dvec3 &a = mesh_.positions[t.x], &b = mesh_.positions[t.y], &c = mesh_.positions[t.z];
-            const glm::dvec2 pa(a.x, a.z), ab = glm::dvec2(b.x, b.z) - pa, ac = glm::dvec2(c.x, c.z) - pa,
-                                           ap = place - pa;
-            const double whole = ab.x * ac.y - ab.y * ac.x;
-            const double v = (ap.x * ac.y - ap.y * ac.x) / whole, w = (ab.x * ap.y - ab.y * ap.x) / whole;
-            if (!(v >= 0 && w >= 0 && v + w <= 1)) continue;
-            if (slope) {
-                const auto of = [&](std::uint32_t i) {
-                    const glm::dvec3& n = mesh_.normals[i];
-                    return glm::dvec2(-n.x, -n.z) / n.y;
-                };
-                *slope = (1 - v - w) * of(t.x) + v * of(t.y) + w * of(t.z);
-            }
-            return (1 - v - w) * a.y + v * b.y + w * c.y;
-        }
-        return std::nan("");
-    }
-
-private:
-    const scene::TriangleMesh& mesh_;
-};
 
 TEST(Rings, NothingPopsWhenTheCameraMoves) {
     const scene::Water water = open_sea();
@@ -248,9 +183,6 @@ TEST(Rings, WhatTheyCannotServeIsRefused) {
     EXPECT_THROW(WaterSurface{water}, Error);
     water = open_sea();
     water.rings = {.inner_size = 400, .cells = 8192};
-    EXPECT_THROW(WaterSurface{water}, Error);
-    water = open_sea();
-    water.surface.type = scene::WaterSurfaceType::spectrum;
     EXPECT_THROW(WaterSurface{water}, Error);
 }
 
