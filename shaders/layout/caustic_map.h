@@ -25,7 +25,7 @@ struct BeamRaysPush {
     float rest_height;  // m, height of the rest plane relative to the frame's origin
     vec3 light;         // sun: unit direction of travel; else position, m, relative to the frame's origin
     float eta;          // index of the medium that the light comes through over that of the other
-    vec3 spot_axis;     // unit
+    vec3 spot_axis;     // unit; of an area light its normal
     float cos_outer;    // cosine where a spot's light has fallen to nothing; -2: no spot
     vec3 axis;          // unit, axis of the beam mesh
     float cos_inner;    // cosine where it is full
@@ -35,6 +35,7 @@ struct BeamRaysPush {
     uint rows;          // of this batch
     uint sun;           // 1: parallel light
     uint reflection;    // 0: transmission
+    uint emitter;       // 1: a part of an area light, which shines by the cosine to its normal
 };
 
 // One texel's ray.

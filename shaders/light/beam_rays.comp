@@ -41,6 +41,7 @@ void main() {
         power *= abs(way.y) / (square * sqrt(square));
         if (push.cos_outer > -2.0)
             power *= spot_light_falloff(dot(incident, push.spot_axis), push.cos_outer, push.cos_inner);
+        if (push.emitter != 0u) power *= max(0.0, dot(incident, push.spot_axis));
     }
 
     if (push.inverse_height < 0.0) normal = -normal;  // towards a light under water

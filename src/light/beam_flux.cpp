@@ -19,7 +19,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// Light that arrives at a point of the water.
 struct Arrival {
     glm::dvec3 direction;
-    double falloff = 1;   // of a spot
+    double falloff = 1;   // of a spot or an area light
     double absorbed = 0;  // share
 };
 
@@ -28,7 +28,7 @@ double lost(double depth) {
     return -std::expm1(-depth);
 }
 
-/// The three kinds of light, each with what its inner loops need: `at` a vertex and `on` a triangle, whose
+/// The kinds of light, each with what its inner loops need: `at` a vertex and `on` a triangle, whose
 /// cross product of two edges is `twice_area`, turned towards the light's side.
 struct SunRays {
     glm::dvec3 direction;
@@ -78,6 +78,16 @@ struct SpotRays : LampRays {
     }
 };
 
+/// Of a part of an area light.
+struct EmitterRays : LampRays {
+    glm::dvec3 axis;
+    Arrival at(glm::dvec3 point) const {
+        Arrival arrival = LampRays::at(point);
+        arrival.falloff = std::max(0.0, glm::dot(arrival.direction, axis));
+        return arrival;
+    }
+};
+
 /// Calls `body` with the rays of the light's kind, so that inner loops are compiled for each.
 template <class Body>
 auto with_rays(const WaterLight& light, Body&& body) {
@@ -87,6 +97,9 @@ auto with_rays(const WaterLight& light, Body&& body) {
         case scene::LightType::spot:
             return body(SpotRays{
                 {light.position, light.extinction}, light.direction, light.cos_outer, light.cos_inner});
+        case scene::LightType::quad:
+        case scene::LightType::disc:
+            return body(EmitterRays{{light.position, light.extinction}, light.direction});
         default:
             return body(SunRays{light.direction});
     }

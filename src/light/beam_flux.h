@@ -16,8 +16,8 @@ namespace dapple::light {
 struct WaterLight {
     scene::LightType type = scene::LightType::sun;
     bool from_below = false;
-    glm::dvec3 direction{0, -1, 0};  ///< unit, of travel; sun and spot
-    glm::dvec3 position{0, 0, 0};    ///< m, world; point and spot
+    glm::dvec3 direction{0, -1, 0};  ///< unit, of travel; sun, spot, area light
+    glm::dvec3 position{0, 0, 0};    ///< m, world; all but suns
     double cos_outer = -2;           ///< spot, as optics/spot_light.h
     double cos_inner = 1;
     double extinction = 0;  ///< /m, of the water, on the way from a lamp in it to the surface

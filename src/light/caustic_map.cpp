@@ -14,6 +14,7 @@
 #include "light/ring.h"
 #include "light/spot_picture.h"
 #include "light/surface_flux.h"
+#include "scene/area_light.h"
 #include "spirv/light_beam_rays_comp.h"
 #include "spirv/light_caustic_map_frag.h"
 #include "spirv/light_caustic_map_vert.h"
@@ -25,7 +26,7 @@ using layout::BeamRay;
 using layout::BeamRaysPush;
 using layout::CausticMapPush;
 static_assert(sizeof(CausticMapPush) == 44);
-static_assert(sizeof(BeamRaysPush) == 120);
+static_assert(sizeof(BeamRaysPush) == 124);
 static_assert(sizeof(BeamRay) == 36);
 
 constexpr std::uint32_t kGroupColumns = 16, kGroupRows = 4;  // of light/beam_rays.comp
@@ -85,6 +86,7 @@ BeamRaysPush rays_push(const scene::FrameScene& scene, const MapPlan& plan, cons
     push.left = push.top = push.columns = push.rows = 0;
     push.sun = sun ? 1 : 0;
     push.reflection = mesh.event == Event::reflection ? 1 : 0;
+    push.emitter = scene::is_area(light) ? 1 : 0;
     return push;
 }
 

@@ -5,12 +5,11 @@
 #include <span>
 
 #include "optics/optics.h"
+#include "scene/area_light.h"
 
 namespace dapple::light {
 namespace {
 
-/// A spot whose axis is nearer to the vertical than that (sine) shines straight up or down.
-constexpr double kVertical = 1e-6;
 /// Cosine of the angle to the axis beyond which no cone reaches: there the picture's edge goes on.
 constexpr double kLeastCosine = 0.05;
 /// Parts of an edge of a triangle.
@@ -27,12 +26,9 @@ SpotPicture::SpotPicture(const scene::FrameScene& scene, int light_index) {
     texture_ = scene.light_textures[index];
     if (!texture_) return;
     axis_ = light.direction;
-    const glm::dvec3 level(-axis_.z, 0, axis_.x);  // axis x (0, 1, 0)
-    const double length = glm::length(level);
-    const glm::dvec3 right = length > kVertical ? level / length : glm::dvec3(1, 0, 0);
-    const glm::dvec3 up = glm::cross(right, axis_);
-    right_ = std::cos(light.roll) * right - std::sin(light.roll) * up;
-    up_ = std::sin(light.roll) * right + std::cos(light.roll) * up;
+    const scene::LightFrame frame = scene::light_frame(light);
+    right_ = frame.right;
+    up_ = frame.up;
     const glm::dvec2 size(texture_->width(), texture_->height());
     texel_ = 2 * std::tan(light.cone_angle) / std::min(size.x, size.y);
     uv_scale_ = 1.0 / (texel_ * size);

@@ -6,6 +6,7 @@
 #include "base/parallel.h"
 #include "light/spot_picture.h"
 #include "optics/optics.h"
+#include "scene/area_light.h"
 
 namespace dapple::light {
 namespace {
@@ -46,6 +47,7 @@ double flux_outside_map(const scene::FrameScene& scene, const MapPlan& plan, int
                     density *= optics::f64::spot_light_falloff(
                         glm::dot(direction, light.direction), glm::cos(light.cone_angle),
                         glm::cos(light.cone_angle - light.falloff_angle));
+                if (scene::is_area(light)) density *= glm::max(0.0, glm::dot(direction, light.direction));
                 if (picture.exists() && density > 0 && colors > 0)
                     density *=
                         glm::dot(light.intensity,

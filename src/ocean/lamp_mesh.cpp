@@ -47,7 +47,7 @@ double distance_to(const scene::Light& lamp, const scene::Extent& extent) {
         glm::abs(glm::dvec2(lamp.position.x, lamp.position.z) - extent.center) - 0.5 * extent.size, 0.0);
     const double height = lamp.position.y;
     const double nearest = std::hypot(height, beside.x, beside.y);
-    if (lamp.type == scene::LightType::point) return nearest;
+    if (lamp.type != scene::LightType::spot) return nearest;
     if (!reaches(lamp, extent)) return INFINITY;
     // Along the cone's steepest line.
     const double down = height > 0 ? -lamp.direction.y : lamp.direction.y;
@@ -61,7 +61,7 @@ double widest_beams(const scene::Light& lamp, const scene::Extent& extent) {
     const double distance =
         std::max(distance_to(lamp, extent), kLeastDistance * std::min(extent.size.x, extent.size.y));
     const double along = distance / kBeamsAlongDistance;
-    if (lamp.type == scene::LightType::point) return along;
+    if (lamp.type != scene::LightType::spot) return along;
     const double across = 2 * distance * std::tan(lamp.cone_angle);
     return std::min(along, across / (lamp.texture.empty() ? kBeamsAcrossSpot : kBeamsAcrossPicture));
 }

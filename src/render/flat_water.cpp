@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "optics/optics.h"
+#include "scene/area_light.h"
 
 namespace dapple::render {
 namespace {
@@ -68,8 +69,9 @@ FlatWaterLight from_point(const scene::Light& light, glm::dvec3 receiver, double
 }  // namespace
 
 double spot_falloff(const scene::Light& light, glm::dvec3 direction) {
-    if (light.type != scene::LightType::spot) return 1;
     const double cosine = glm::dot(direction, light.direction);
+    if (scene::is_area(light)) return std::max(0.0, cosine);
+    if (light.type != scene::LightType::spot) return 1;
     const double outer = std::cos(light.cone_angle);
     const double inner = std::cos(std::max(0.0, light.cone_angle - light.falloff_angle));
     return optics::f64::spot_light_falloff(cosine, outer, inner);

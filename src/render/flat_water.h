@@ -25,7 +25,8 @@ std::optional<FlatWaterLight> through_flat_water(const scene::Light& light, glm:
                                                  double refractive_index);
 
 /// Share of a spot light's intensity in a direction: 1 inside the cone less its edge, 0 outside, smooth
-/// between; 1 for other lights. Its picture (light::SpotPicture) is neither here nor in `transport`.
+/// between; of an area light's the cosine to its normal, 0 behind it; 1 for other lights. A spot's picture
+/// (light::SpotPicture) is neither here nor in `transport`.
 double spot_falloff(const scene::Light& light, glm::dvec3 direction);
 
 }  // namespace dapple::render

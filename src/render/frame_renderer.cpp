@@ -20,6 +20,7 @@
 #include "render/segment_lattice.h"
 #include "render/shading.h"
 #include "render/volumetric_light.h"
+#include "scene/area_light.h"
 #include "view/camera_paths.h"
 #include "view/segment_recorder.h"
 
@@ -330,7 +331,7 @@ std::size_t FrameRenderer::bytes(const scene::FrameState& state) const {
 }
 
 std::size_t FrameRenderer::State::other_bytes(const scene::FrameState& given) {
-    const scene::FrameState state = ocean::with_mesh_for_lamps(given);
+    const scene::FrameState state = ocean::with_mesh_for_lamps(scene::with_emitter_parts(given));
     // In double: a picture of absurd size must not wrap around to a small number.
     const double count = static_cast<double>(state.clip.width) * static_cast<double>(state.clip.height);
     const bool volume = may_scatter(state);

@@ -17,6 +17,7 @@ struct PlanLine {
     std::string pass;
     std::string decision;  ///< "yes", "partly" or "no"
     std::string reason;
+    bool operator==(const PlanLine&) const = default;
 };
 
 /// NaN or infinite values that were replaced by 0 before the frame was handed out.

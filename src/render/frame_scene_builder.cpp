@@ -15,6 +15,7 @@
 #include "input/mesh_file.h"
 #include "ocean/lamp_mesh.h"
 #include "ocean/water_surface.h"
+#include "scene/area_light.h"
 
 namespace dapple::render {
 namespace {
@@ -114,7 +115,7 @@ FrameSceneBuilder::~FrameSceneBuilder() = default;
 
 scene::FrameScene FrameSceneBuilder::build(const scene::FrameState& state) {
     scene::FrameScene built;
-    built.state = ocean::with_mesh_for_lamps(state);
+    built.state = ocean::with_mesh_for_lamps(scene::with_emitter_parts(state));
     // The camera's place on the water: floats are finest where the picture is.
     built.origin = {std::round(state.camera.position.x), 0, std::round(state.camera.position.z)};
     if (const std::optional<scene::Water>& water = built.state.water) {
@@ -123,7 +124,7 @@ scene::FrameScene FrameSceneBuilder::build(const scene::FrameState& state) {
             std::make_shared<const scene::WaterMesh>(state_->surface_of(*water).mesh(state.time, viewpoint));
     }
     for (const scene::Object& object : state.objects) built.object_meshes.push_back(state_->mesh_of(object));
-    for (const scene::Light& light : state.lights)
+    for (const scene::Light& light : built.state.lights)
         built.light_textures.push_back(state_->textures.of_light(light, state.output));
     built.medium_grids = state_->medium_grids(state);
     return built;

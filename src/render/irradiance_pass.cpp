@@ -16,8 +16,10 @@ float weakest_light(const scene::FrameState& state) {
     float weakest = std::numeric_limits<float>::infinity();
     for (const scene::Light& light : state.lights) {
         const bool sun = light.type == scene::LightType::sun;
-        const glm::dvec3 strength =
-            sun ? light.irradiance : light.intensity / (light.position.y * light.position.y);
+        const glm::dvec3 strength = sun ? light.irradiance
+                                        : light.intensity *
+                                              static_cast<double>(std::max(1, light.part.count)) /
+                                              (light.position.y * light.position.y);
         const float found = denoise::luminance(glm::vec3(strength));
         if (found > 0 && std::isfinite(found)) weakest = std::min(weakest, found);
     }

@@ -37,7 +37,7 @@ struct SegmentCells {
 class LightOnSegment {
 public:
     /// `sun_direction`: of travel, of suns; `pixel_radius`: of lamps, m, of the disc that stands for the
-    /// pixel where the segment passes the lamp.
+    /// pixel (and the part of an area light) where the segment passes the lamp.
     LightOnSegment(const scene::FrameScene& scene, const media::Media& media, const scene::Light& light,
                    const glm::dvec3& sun_direction, const Segment& segment, double pixel_radius);
 

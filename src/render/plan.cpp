@@ -7,6 +7,7 @@
 #include "media/media.h"
 #include "render/buffer_scale.h"
 #include "render/shading.h"
+#include "scene/area_light.h"
 #include "scene/transform.h"
 #include "view/camera.h"
 #include "view/camera_medium.h"
@@ -83,7 +84,8 @@ public:
           volume_support_(scatters() ? method.supports_volume(scene.state) : methods::Support{}),
           method_(method),
           serves_behind_specular_(method.serves_behind_specular()),
-          follows_glass_(method.follows_glass()) {}
+          follows_glass_(method.follows_glass()),
+          any_area_(std::any_of(state_.lights.begin(), state_.lights.end(), scene::is_area)) {}
 
     Plan make() {
         plan_.water = state_.water.has_value();
@@ -110,7 +112,10 @@ public:
 
 private:
     void add(const std::string& pass, bool runs, const std::string& reason) {
-        plan_.lines.push_back({pass, runs ? "yes" : "no", reason});
+        const PlanLine line{pass, runs ? "yes" : "no", reason};
+        // What all parts of an area light have in common is said once.
+        if (std::find(plan_.lines.begin(), plan_.lines.end(), line) == plan_.lines.end())
+            plan_.lines.push_back(line);
     }
     void add(const std::string& pass, const methods::Support& support) {
         using enum methods::Support::Degree;
@@ -195,7 +200,14 @@ private:
             note = std::string("; the lamp is among the waves and counts as ") + (above ? "above" : "under") +
                    " water: what it sends onto their other side is lost";
         }
+        if (light.part.count > 0) note += "; by " + parts_of(light);
         take({index, event}, sides, note);
+    }
+
+    static std::string parts_of(const scene::Light& light) {
+        const std::string emitter = light.type == scene::LightType::quad ? "quad" : "disc";
+        return light.part.count == 1 ? "the middle of the " + emitter
+                                     : std::to_string(light.part.count) + " points of the " + emitter;
     }
 
     /// Chains that begin at glass, or why there are none.
@@ -317,12 +329,13 @@ private:
         const bool air = any_light(false), water = any_light(true);
         plan_.volume_direct = air || water;
         add("volumetric direct light", plan_.volume_direct,
-            plan_.volume_direct ? std::string("lights and media in ") +
-                                      (air && water ? "air and water"
-                                       : air        ? "the air"
-                                                    : "the water") +
-                                      ", shadowed by objects"
-                                : "no light is on a side of the water where something scatters");
+            plan_.volume_direct
+                ? std::string("lights and media in ") +
+                      (air && water ? "air and water"
+                       : air        ? "the air"
+                                    : "the water") +
+                      ", shadowed by objects" + (any_area_ ? "; an area light by its points" : "")
+                : "no light is on a side of the water where something scatters");
         plan_.volume = plan_.volume_caustics || plan_.volume_direct;
         plan_.half_volume =
             plan_.volume && state_.caustics.volume_resolution == scene::VolumeResolution::half;
@@ -359,8 +372,9 @@ private:
     void not_modelled() {
         std::string what =
             "multiple scattering, light from floor to surface to floor, second crossings of the water by "
-            "light, light sent on by mirrors, the sun's disc as seen by the camera, occlusion of the sky "
-            "term";
+            "light, light sent on by mirrors, the sun's disc ";
+        if (any_area_) what += "and area lights ";
+        what += "as seen by the camera, occlusion of the sky term";
         if (scatters()) {
             what += ", light of the sky that media scatter, light that they scatter onto receivers";
             if (state_.water && state_.water->extent.kind == scene::ExtentKind::open_water)
@@ -377,6 +391,7 @@ private:
     const methods::CausticMethod& method_;
     const bool serves_behind_specular_;
     const bool follows_glass_;
+    const bool any_area_;
     Plan plan_;
     bool receivers_below_ = false;
     bool receivers_above_ = false;

@@ -7,6 +7,7 @@
 #include "base/parallel.h"
 #include "light/spot_picture.h"
 #include "render/flat_water.h"
+#include "scene/area_light.h"
 
 namespace dapple::render {
 namespace {
@@ -66,17 +67,18 @@ double seen_width(const view::ReceiverLayer& layer, std::size_t pixel, glm::dvec
     return std::sqrt(std::abs(glm::dot(glm::dvec3(area), direction)));
 }
 
-/// Direct light of one source at a pixel's receiver; empty irradiance where it faces away.
+/// Direct light of one source at a pixel's receiver; empty irradiance where it faces away. A sun's light has
+/// the `direction`, a lamp's comes `from` a point, m.
 Candidate direct_candidate(const scene::FrameScene& scene, const media::Media& media,
                            const view::ReceiverLayer& layer, std::size_t pixel, const scene::Light& light,
-                           const light::SpotPicture& picture, glm::dvec3 direction) {
+                           const light::SpotPicture& picture, glm::dvec3 direction, glm::dvec3 from) {
     Candidate candidate{pixel, {}, glm::vec3(0)};
     const glm::dvec3 position = glm::dvec3(layer.position[pixel]) + scene.origin;
     glm::dvec3 strength = light.irradiance;
     double distance = std::numeric_limits<double>::infinity();
     auto far = static_cast<float>(distance);
     if (light.type != scene::LightType::sun) {
-        const glm::dvec3 way = position - light.position;
+        const glm::dvec3 way = position - from;
         distance = glm::length(way);
         if (distance == 0) return candidate;
         direction = way / distance;
@@ -111,6 +113,14 @@ glm::dvec3 sun_direction(const scene::Light& light, int sample, int samples) {
     return glm::normalize(light.direction + radius * (std::cos(angle) * u + std::sin(angle) * v));
 }
 
+glm::dvec3 lamp_position(const scene::FrameState& state, std::size_t index, int sample) {
+    const scene::Light& lamp = state.lights[index];
+    const int samples = state.clip.samples;
+    if (lamp.part.count == 0 || samples == 1) return lamp.position;
+    const double number = static_cast<double>(index) * samples + sample;
+    return scene::emitter_point(lamp, glm::fract(0.5 + number * kEvenStep));
+}
+
 bool light_in_water(const scene::FrameState& state, const scene::Light& light) {
     return light.type != scene::LightType::sun && state.water && light.position.y < 0 &&
            in_extent(state.water->extent, light.position);
@@ -127,12 +137,13 @@ std::vector<glm::vec3> direct_irradiance(const scene::FrameScene& scene, const m
             const glm::dvec3 direction = light.type == scene::LightType::sun
                                              ? sun_direction(light, layer.sample, scene.state.clip.samples)
                                              : light.direction;
+            const glm::dvec3 from = lamp_position(scene.state, index, layer.sample);
             candidates.clear();
             for (std::size_t pixel = begin; pixel < end; ++pixel) {
                 const std::uint32_t flags = layer.flags[pixel];
                 if (!(flags & view::kReceiver) || in_water != bool(flags & view::kInWater)) continue;
                 const Candidate candidate =
-                    direct_candidate(scene, media, layer, pixel, light, pictures[index], direction);
+                    direct_candidate(scene, media, layer, pixel, light, pictures[index], direction, from);
                 if (candidate.irradiance != glm::vec3(0)) candidates.push_back(candidate);
             }
             std::vector<std::uint8_t> blocked(candidates.size(), 0);

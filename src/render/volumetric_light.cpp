@@ -9,6 +9,7 @@
 #include "base/parallel.h"
 #include "render/light_quadrature.h"
 #include "render/shading.h"
+#include "scene/area_light.h"
 
 namespace dapple::render {
 namespace {
@@ -16,9 +17,6 @@ namespace {
 constexpr std::size_t kTile = 256;  ///< pixels
 /// Of hash_uniform, by lights and pieces of a path.
 constexpr std::uint32_t kShiftDimension = 0x766c0000;
-/// What the place of points grows by a pixel to the right and down, whole parts dropped: neighbors fill each
-/// other's gaps (the additive sequence R2 of Roberts 2018, from the powers of the plastic number).
-constexpr glm::dvec2 kShiftStep{0.7548776662466927, 0.5698402909980532};
 
 double mean(const glm::dvec3& color) {
     return (color.x + color.y + color.z) / 3;
@@ -91,7 +89,8 @@ public:
             cells_.find(media_, segment);
             if (cells_.cells.empty()) continue;
             const auto width = static_cast<std::size_t>(layer_.width);
-            const double shift = dot(kShiftStep, glm::dvec2(pixel % width, pixel / width)) +
+            // Pixels to the right and below fill each other's gaps.
+            const double shift = dot(kEvenStep, glm::dvec2(pixel % width, pixel / width)) +
                                  static_cast<double>(layer_.sample) / scene_.state.clip.samples;
             const std::uint32_t piece = i - layer_.first[pixel];
             for (std::size_t light = 0; light < scene_.state.lights.size(); ++light) {
@@ -161,13 +160,16 @@ private:
         }
     }
 
-    /// m: of the disc as large as the pixel where the segment passes the lamp.
+    /// m: of the disc as large as the pixel where the segment passes the lamp, and as the part of an area
+    /// light that the lamp is.
     double pixel_radius(std::uint32_t i, const scene::Light& lamp) const {
         const glm::vec3 to_lamp = glm::vec3(lamp.position - scene_.origin) - layer_.origin[i];
         const float place = std::clamp(dot(to_lamp, layer_.direction[i]), 0.0f, layer_.length[i]);
         const glm::vec3 u = layer_.spread_u_origin[i] + place * layer_.spread_u_direction[i];
         const glm::vec3 v = layer_.spread_v_origin[i] + place * layer_.spread_v_direction[i];
-        return std::sqrt(glm::one_over_pi<double>() * static_cast<double>(glm::length(glm::cross(u, v))));
+        double area = static_cast<double>(glm::length(glm::cross(u, v)));
+        if (lamp.part.count > 0) area += scene::emitter_area(lamp) / lamp.part.count;
+        return std::sqrt(glm::one_over_pi<double>() * area);
     }
 
     const scene::FrameScene& scene_;

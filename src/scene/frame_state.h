@@ -85,23 +85,45 @@ struct Water {
     glm::dvec3 diffuse_attenuation{-1, -1, -1};
 };
 
-enum class LightType { sun, point, spot };
+enum class LightType { sun, point, spot, quad, disc };
+
+/// Of an area light, a quad or disc, a frame's lights are its parts, each of which stands for an equal share
+/// of the emitter by a point in its middle (scene/area_light.h).
+struct EmitterPart {
+    int count = 0;  ///< of the emitter's parts; 0: the light is none of these
+    /// Of a quad: shares of its width from the left and of its height from below. Of a disc: the square of
+    /// the distance from its middle over that of its edge, and a share of a turn.
+    glm::dvec2 low{0, 0};
+    glm::dvec2 high{1, 1};
+    glm::dvec3 center{0, 0, 0};  ///< m, of the whole emitter
+    /// m: what the part's points lie off its middle, as covariance u u^T + v v^T.
+    glm::dvec3 spread_u{0, 0, 0};
+    glm::dvec3 spread_v{0, 0, 0};
+};
 
 struct Light {
     std::string name;
     LightType type = LightType::sun;
-    glm::dvec3 direction{0, -1, 0};    ///< unit, of travel; sun and spot; what follows from the three below
+    /// Unit, of travel; sun, spot, and of area lights the normal of the side that shines; follows from the
+    /// three below.
+    glm::dvec3 direction{0, -1, 0};
     double elevation = 0;              ///< rad, as written: where the sun stands; see schema.h, sun_direction
     double azimuth = 0;                ///< rad, as written
-    glm::dvec3 target{0, 0, 0};        ///< m, as written: where a spot points
-    glm::dvec3 position{0, 3, 0};      ///< m; point and spot
+    glm::dvec3 target{0, 0, 0};        ///< m, as written: where a spot or an area light points
+    glm::dvec3 position{0, 3, 0};      ///< m; all but suns; middle of an area light, or of a part of one
     glm::dvec3 irradiance{3, 3, 3};    ///< W/m^2 on a plane that faces the sun
-    glm::dvec3 intensity{10, 10, 10};  ///< W/sr; point, and on the axis of a spot
+    glm::dvec3 intensity{10, 10, 10};  ///< W/sr; point, and on the axis of a spot or of a part of an emitter
+    glm::dvec3 radiance{10, 10, 10};   ///< W/m^2/sr, of an area light in all directions of its side
+    glm::dvec2 size{1, 1};             ///< m, of a quad: across and up
+    double radius = 0.5;               ///< m, of a disc
+    int samples = 16;                  ///< parts that an area light is cut into
+    EmitterPart part;
     double angular_diameter = 0.53 * kDegree;  ///< rad, sun; 0 is directional
     double cone_angle = 30 * kDegree;    ///< rad, spot: half-angle where its light has fallen to nothing
     double falloff_angle = 5 * kDegree;  ///< rad, spot: width of the smooth edge inside the cone
     std::string texture;                 ///< path (EXR or PNG), spot: the picture that it throws; empty: none
-    double roll = 0;  ///< rad, spot: by which the picture is turned, clockwise as the light sees it
+    /// Rad, spot: by which the picture is turned, clockwise as the light sees it; quad: itself.
+    double roll = 0;
 };
 
 enum class Shape { plane, box, sphere, mesh };
@@ -158,6 +180,7 @@ struct CausticMapParameters {
     std::vector<CascadeMap> cascade_maps;  ///< the innermost first; empty: all by map_resolution
     /// The paper's choices: hard borders, boxes in the light's frame that follow the camera without steps.
     bool paper_faithful = false;
+    bool second_bounce = false;  ///< light that lands on mirrors is sent on to where it lands next
 };
 
 /// What a photon lights where it lands.

@@ -88,7 +88,8 @@ const Structure& light_schema() {
         "light",
         {
             member<&Light::name>("name", FieldKind::text, "for --set and messages"),
-            choice<&Light::type>("type", {"sun", "point", "spot"}, "what kind of light").required(),
+            choice<&Light::type>("type", {"sun", "point", "spot", "quad", "disc"}, "what kind of light")
+                .required(),
             number<&Light::elevation>("elevation", Dimension::angle,
                                       "height above the horizon; 90 deg is overhead")
                 .range({0, right_angle, true, false})
@@ -99,11 +100,10 @@ const Structure& light_schema() {
                 .only_for({"sun"}),
             number<&Light::direction>("direction", Dimension::number, "in which the light travels")
                 .no_default()
-                .only_for({"sun", "spot"}),
-            number<&Light::target>("target", Dimension::length,
-                                   "point that the spot shines at, for direction")
+                .only_for({"sun", "spot", "quad", "disc"}),
+            number<&Light::target>("target", Dimension::length, "point that the light faces, for direction")
                 .no_default()
-                .only_for({"spot"}),
+                .only_for({"spot", "quad", "disc"}),
             number<&Light::irradiance>("irradiance", Dimension::irradiance, "on a plane that faces the sun")
                 .at_least(0)
                 .one_for_all()
@@ -112,8 +112,9 @@ const Structure& light_schema() {
                                              "of the sun's disc; 0: directional")
                 .range({0, right_angle, false, true})
                 .only_for({"sun"}),
-            number<&Light::position>("position", Dimension::length, "where the light stands")
-                .only_for({"point", "spot"}),
+            number<&Light::position>("position", Dimension::length,
+                                     "where the light stands; middle of a quad or disc")
+                .only_for({"point", "spot", "quad", "disc"}),
             number<&Light::intensity>("intensity", Dimension::intensity, "of a spot: on its axis")
                 .at_least(0)
                 .one_for_all()
@@ -134,9 +135,31 @@ const Structure& light_schema() {
                                  "by which the picture of the texture is turned clockwise, as the light sees "
                                  "it; of a spot that shines straight down -z is up in the picture")
                 .only_for({"spot"}),
+            number<&Light::roll>("roll", Dimension::angle,
+                                 "by which the quad is turned clockwise, as it sees its light; -z is up of "
+                                 "one that faces straight down")
+                .only_for({"quad"}),
+            number<&Light::radiance>("radiance", Dimension::radiance,
+                                     "the same in all directions of the side that shines; the other is dark")
+                .at_least(0)
+                .one_for_all()
+                .only_for({"quad", "disc"}),
+            number<&Light::size>("size", Dimension::length, "of the quad, across and up")
+                .above(0)
+                .only_for({"quad"}),
+            number<&Light::radius>("radius", Dimension::length, "of the disc").above(0).only_for({"disc"}),
+            integral<&Light::samples>(
+                "samples", FieldKind::integer,
+                "equal parts that an area light is cut into; each lights by its middle, "
+                "widened by its size where the method can")
+                .within(1, 1024)
+                .only_for({"quad", "disc"}),
         },
         "type",
-        {{"sun", {{"elevation", "azimuth"}, {"direction"}}}, {"spot", {{"direction"}, {"target"}}}},
+        {{"sun", {{"elevation", "azimuth"}, {"direction"}}},
+         {"spot", {{"direction"}, {"target"}}},
+         {"quad", {{"direction"}, {"target"}}},
+         {"disc", {{"direction"}, {"target"}}}},
         &derive_light};
     return table;
 }
@@ -445,7 +468,7 @@ const Structure& frame_schema() {
             structure<&FrameState::clip>("clip", clip_schema(), "what is rendered"),
             structure<&FrameState::camera>("camera", camera_schema(), "who looks; under water, above it"),
             water_row(),
-            list<&FrameState::lights>("lights", light_schema(), "suns, points and spots"),
+            list<&FrameState::lights>("lights", light_schema(), "suns, points, spots and area lights"),
             list<&FrameState::objects>("objects", object_schema(), "what catches the light"),
             list<&FrameState::media>("media", medium_schema(), "smoke, fog: what dims and scatters light"),
             structure<&FrameState::sky>("sky", sky_schema(), "light from where nothing is"),

@@ -56,10 +56,11 @@ private:
         const bool by_target = program_.given.count(join(path, "target")) > 0;
         if (glm::length(light.direction) == 0)
             fault(join(path, by_target ? "target" : "direction"),
-                  by_target ? "the spot points at the place where it stands" : "the vector has no length");
+                  by_target ? "the light points at the place where it stands" : "the vector has no length");
         else if (light.type == scene::LightType::sun && !(light.direction.y < 0))
             fault(join(path, "direction"), "a sun shines downwards: the second number, y, must be below 0");
-        if (light.type == scene::LightType::spot && light.falloff_angle > light.cone_angle)
+        if (light.type != scene::LightType::spot) return;
+        if (light.falloff_angle > light.cone_angle)
             fault(join(path, "falloff_angle"),
                   "the soft edge is wider than the cone; take at most cone_angle");
         check_picture(light, path);

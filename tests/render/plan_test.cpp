@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "closed_form/flat_scene.h"
+#include "light/emitters.h"
 
 namespace dapple {
 namespace {
@@ -155,6 +156,20 @@ TEST(Plan, LightsUnderWaterTransmitUpwards) {
     const render::Plan plan = render::make_plan(scene_of(state), TellingMethod(true));
     ASSERT_EQ(plan.chains.size(), 1u);
     EXPECT_EQ(plan.chains[0].event, light::Event::reflection);
+}
+
+TEST(Plan, SaysOnceByHowManyPointsAnAreaLightShines) {
+    scene::FrameState state = pool();
+    state.lights = {test::disc_panel({0, 2, 0}, 0.5, 5)};
+    const render::Plan plan =
+        render::make_plan(scene_of(scene::with_emitter_parts(state)), TellingMethod(false));
+    EXPECT_EQ(plan.chains.size(), 5u);
+    EXPECT_EQ(line(plan, "panel > water:T").reason, "objects below the water; by 5 points of the disc");
+    EXPECT_EQ(std::count_if(plan.lines.begin(), plan.lines.end(),
+                            [](const auto& line) { return line.pass == "panel > water:T"; }),
+              1);
+    EXPECT_NE(line(plan, "not modelled").reason.find("the sun's disc and area lights as seen by the camera"),
+              std::string::npos);
 }
 
 TEST(Plan, TellsOfTheWaterWhatItsMeshLacks) {

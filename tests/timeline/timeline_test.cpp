@@ -118,6 +118,27 @@ TEST(Timeline, SpotsAndWavesFollowFromVectors) {
     EXPECT_DOUBLE_EQ(wave.heading, -90 * kDegree);
 }
 
+TEST(Timeline, AreaLightsMayBeKeyed) {
+    const Timeline timeline = parse(
+        "lights: [{type: quad, target: [0 m, 0 m, 0 m], size: [2 m, 50 cm], samples: 9, roll: 90 deg,\n"
+        "  position: {keys: [{frame: 1, value: [0 m, 2 m, 0 m]}, {frame: 3, value: [0 m, 0 m, 2 m]}]},\n"
+        "  radiance: {keys: [{frame: 1, value: 4 W/m2/sr}, {frame: 3, value: [8, 6, 4]}]}},\n"
+        "  {type: disc, direction: [0, -3, 0], radius: 20 cm}]");
+    const scene::FrameState first = timeline.at(1), last = timeline.at(3);
+    EXPECT_EQ(first.lights[0].type, scene::LightType::quad);
+    EXPECT_EQ(first.lights[0].size, glm::dvec2(2, 0.5));
+    EXPECT_EQ(first.lights[0].samples, 9);
+    EXPECT_EQ(first.lights[0].roll, 90 * kDegree);
+    EXPECT_EQ(first.lights[0].radiance, glm::dvec3(4));
+    EXPECT_EQ(timeline.at(2).lights[0].radiance, glm::dvec3(6, 5, 4));
+    EXPECT_EQ(first.lights[0].direction, glm::dvec3(0, -1, 0));
+    EXPECT_EQ(last.lights[0].direction, glm::dvec3(0, 0, -1));
+    EXPECT_EQ(first.lights[1].type, scene::LightType::disc);
+    EXPECT_EQ(first.lights[1].radius, 0.2);
+    EXPECT_EQ(first.lights[1].direction, glm::dvec3(0, -1, 0));
+    EXPECT_EQ(first.lights[1].samples, 16);
+}
+
 TEST(Timeline, KeysAreExactAtTheirFrames) {
     const Timeline timeline = parse(kPool);
     const auto exposure = [&](std::int64_t frame) { return timeline.at(frame).output.exposure; };

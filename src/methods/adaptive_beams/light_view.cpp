@@ -9,6 +9,7 @@
 #include "light/map_plan.h"
 #include "optics/optics.h"
 #include "rays/shape_mesh.h"
+#include "scene/area_light.h"
 #include "scene/transform.h"
 
 namespace dapple::methods::adaptive_beams {
@@ -164,6 +165,7 @@ private:
         view.position_ = light_.position - origin_;
         view.from_below_ = light_.position.y < 0;
         view.spot_ = light_.type == scene::LightType::spot;
+        view.emitter_ = scene::is_area(light_);
         view.direction_ = light_.direction;
         if (picture_->exists()) {
             view.picture_ = picture_;
@@ -259,6 +261,7 @@ glm::dvec2 LightView::size() const {
 }
 
 double LightView::falloff(glm::dvec2 uv) const {
+    if (emitter_) return std::max(0.0, glm::dot(ray(uv).direction, direction_));
     if (!spot_) return 1;
     return optics::f64::spot_light_falloff(glm::dot(ray(uv).direction, direction_), cos_outer_, cos_inner_);
 }

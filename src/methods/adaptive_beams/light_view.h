@@ -21,9 +21,9 @@ class LightView {
 public:
     LightRay ray(glm::dvec2 uv) const;
     /// What a light of unit irradiance (m^2) or unit intensity (sr) sends through a triangle of (u, v),
-    /// whichever way it turns; the falloff of a spot is not in it.
+    /// whichever way it turns; the falloff is not in it.
     double extent(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c) const;
-    /// Intensity of a spot relative to its axis, but for its picture; 1 for other lights.
+    /// Intensity of a spot, but for its picture, or an area light relative to its axis; 1 for other lights.
     double falloff(glm::dvec2 uv) const;
     /// Whether the light is a spot that throws a picture.
     bool textured() const { return picture_ != nullptr; }
@@ -48,8 +48,9 @@ private:
     bool parallel_ = true;
     bool from_below_ = false;
     bool spot_ = false;
+    bool emitter_ = false;  // a part of an area light
     glm::dvec3 color_{0};
-    glm::dvec3 direction_{0, -1, 0};  // sun; axis of a spot
+    glm::dvec3 direction_{0, -1, 0};  // sun; axis of a spot or an area light
     glm::dvec3 corner_{0};            // sun: where ray (0, 0) starts; lamp: its direction, not unit
     glm::dvec3 along_u_{1, 0, 0};     // change of the same over u in [0, 1]
     glm::dvec3 along_v_{0, 0, 1};

@@ -10,6 +10,7 @@
 #include "methods/photon_splatting/footprint.h"
 #include "methods/photon_splatting/splat_builder.h"
 #include "methods/photon_splatting/splat_renderer.h"
+#include "scene/area_light.h"
 
 namespace dapple::methods {
 
@@ -32,6 +33,11 @@ Support PhotonSplatting::supports_surface(const scene::FrameState& state) const 
         reason += splat_style(state.caustics).disc
                       ? "; the sun's disc as a widening of the splats by its variance"
                       : "; the sun's disc as a point";
+    if (std::any_of(state.lights.begin(), state.lights.end(), scene::is_area))
+        reason +=
+            splat_style(state.caustics).disc
+                ? "; area lights as points that widen the splats by the variance of what each stands for"
+                : "; area lights as points";
     return {Support::Degree::partly, reason};
 }
 

@@ -5,6 +5,7 @@
 
 #include "base/parallel.h"
 #include "light/grid_blocks.h"
+#include "methods/photon_splatting/emitter_blur.h"
 #include "methods/photon_splatting/kernel.h"
 #include "methods/photon_splatting/landed_faces.h"
 #include "methods/photon_splatting/lattice.h"
@@ -29,6 +30,7 @@ public:
           style_(style),
           grid_(scene, mesh),
           power_(scene, media, grid_, style.paper_power),
+          emitter_(scene, grid_),
           picture_(scene),
           largest_point_(largest_point) {
         const scene::Light& light = scene.state.lights[static_cast<std::size_t>(mesh.light)];
@@ -75,6 +77,11 @@ private:
         const glm::vec2 lean = on_plane(beam);
         metric.beam_gram = glm::mat2(1) - glm::outerProduct(lean, lean);
         metric.disc_radius = disc_ * hit.way;
+        if (style_.disc && emitter_.any()) {
+            // An ellipse of that covariance in place of the disc: its radius is two deviations.
+            metric.disc_radius = 2;
+            metric.beam_gram = glm::inverse(emitter_.covariance(hit, right, up));
+        }
         ReducedLattice lattice;
         lattice.bases[0] = {on_plane(footprint.first), on_plane(footprint.second), 1};
         if (style_.reduced)
@@ -138,6 +145,7 @@ private:
     const SplatStyle& style_;
     PhotonGrid grid_;
     PhotonPower power_;
+    EmitterBlur emitter_;
     PictureMap picture_;
     float largest_point_;
     float disc_ = 0;  // radius a m of way, across the beam

@@ -42,7 +42,8 @@ GlassLight::GlassLight(const scene::FrameScene& scene, const rays::RayScene& ray
     const glm::dvec3 position = light_.position - scene.origin;
     lamp_in_water_ = water.in_water(position);
     const glm::dvec3 way = middle - position;
-    all_around_ = !(length(way) > kNearest * bodies.radius(object));
+    // Nor is there one view for all points of an area light.
+    all_around_ = !(length(way) > kNearest * bodies.radius(object)) || light_.part.count > 0;
     view_ = {{0, 0}, {1, 1}};
     if (all_around_) return;
     axis_ = normalize(way);
@@ -69,8 +70,9 @@ GlassLight::Aimed GlassLight::from_sun(const glm::dvec2& place, double area, con
             area * dot(ray.direction, axis_) * ray.irradiance * light_.irradiance};
 }
 
-GlassLight::Aimed GlassLight::from_lamp(const glm::dvec2& place, double area) const {
-    Aimed aimed{light_.position - scene_.origin, {}, {}};
+GlassLight::Aimed GlassLight::from_lamp(const glm::dvec2& place, double area,
+                                        const glm::dvec3& source) const {
+    Aimed aimed{source, {}, {}};
     double solid_angle;
     if (all_around_) {
         const double height = 2 * place.y - 1, angle = 2 * std::numbers::pi * place.x;
@@ -108,7 +110,9 @@ std::vector<GlassIncoming> GlassLight::shine(const LightPass& pass, std::size_t 
         const Aimed ray =
             sun_ ? from_sun(place, area,
                             sun_ray(light_, random(Dimension::disc_radius), random(Dimension::disc_angle)))
-                 : from_lamp(place, area);
+                 : from_lamp(place, area,
+                             emission_point(scene_, light_, random(Dimension::disc_radius),
+                                            random(Dimension::disc_angle)));
         // As at the water, light of a sun's disc from below the horizon is left out.
         if (!finite(ray.power) || !(mean(ray.power) > 0) || (sun_ && !(ray.direction.y < 0))) continue;
         aimed.push_back(ray);

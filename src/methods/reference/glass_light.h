@@ -49,7 +49,7 @@ private:
         glm::dvec3 origin, direction, power;
     };
     Aimed from_sun(const glm::dvec2& place, double area, const SunRay& ray) const;
-    Aimed from_lamp(const glm::dvec2& place, double area) const;
+    Aimed from_lamp(const glm::dvec2& place, double area, const glm::dvec3& source) const;
     void remove_hidden(std::vector<GlassIncoming>& incoming) const;
 
     const scene::FrameScene& scene_;

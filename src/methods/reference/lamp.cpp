@@ -19,9 +19,12 @@ Lamp::Lamp(const scene::FrameScene& scene, const rays::RayScene& rays, const Wat
       samples_(scene, index, light::kWater),
       picture_(scene, index) {
     const TrueSurface& surface = water.surface();
+    if (light_.part.count > 0)
+        reach_ = distance(light_.position, light_.part.center) +
+                 (light_.type == scene::LightType::disc ? light_.radius : 0.5 * length(light_.size));
     if (light_.type != scene::LightType::sun) {
-        from_above_ = light_.position.y > -surface.highest();
-        from_below_ = light_.position.y < surface.highest();
+        from_above_ = light_.position.y + reach_ > -surface.highest();
+        from_below_ = light_.position.y - reach_ < surface.highest();
     }
     waves_may_shadow_ = lowest_elevation() <= std::atan(surface.steepest()) &&
                         (surface.highest() > 0 || !surface.is_height_field());
@@ -33,7 +36,8 @@ double Lamp::lowest_elevation() const {
     const scene::Extent& extent = scene_.state.water->extent;
     const glm::dvec2 place(light_.position.x, light_.position.z);
     const glm::dvec2 reach = glm::abs(place - extent.center) + 0.5 * extent.size;
-    return std::atan2(std::abs(light_.position.y) - water_.surface().highest(), length(reach));
+    return std::atan2(std::abs(light_.position.y) - reach_ - water_.surface().highest(),
+                      length(reach) + reach_);
 }
 
 double Lamp::aspect() const {
@@ -127,7 +131,10 @@ std::optional<Incoming> Lamp::illuminate(const LightPass& pass, const WaterPoint
         incoming.distance = std::numeric_limits<double>::infinity();
         across = ray.irradiance * light_.irradiance;
     } else {
-        const glm::dvec3 way = point.position - (light_.position - scene_.origin);
+        incoming.source =
+            emission_point(scene_, light_, samples_.number(pass, stratum, Dimension::disc_radius),
+                           samples_.number(pass, stratum, Dimension::disc_angle));
+        const glm::dvec3 way = point.position - incoming.source;
         incoming.distance = length(way);
         incoming.direction = way / incoming.distance;
         across =
@@ -149,7 +156,7 @@ void Lamp::remove_hidden(std::vector<Incoming>& incoming) const {
     const auto ray_of = [&](const Incoming& light, double near) {  // towards a lamp: its distance is 1
         const glm::dvec3& origin = light.point.position;
         return sun ? float_ray(origin, -light.direction, near, std::numeric_limits<float>::infinity())
-                   : float_ray(origin, light_.position - scene_.origin - origin, near / light.distance, 1);
+                   : float_ray(origin, light.source - origin, near / light.distance, 1);
     };
     if (rays_.has_objects()) {
         for (const Incoming& light : incoming) to_light.push_back(ray_of(light, 0));

@@ -26,6 +26,7 @@ struct Incoming {
     WaterPoint point;
     glm::dvec3 direction{0};   ///< unit
     glm::dvec3 power{0};       ///< W on the point's area
+    glm::dvec3 source{0};      ///< m, relative to the origin: where it left a lamp
     double side = 1;           ///< 1: from the air; -1: from the water
     double distance = 0;       ///< m from the lamp; infinite for a sun
     std::uint64_t random = 0;  ///< index of its random numbers
@@ -71,6 +72,7 @@ private:
     const scene::Light& light_;
     LightSamples samples_;
     OwnPicture picture_;
+    double reach_ = 0;  ///< m, from the lamp's position to the farthest point that shines
     bool from_above_ = true, from_below_ = false;  ///< sides of the water that it may light
     bool waves_may_shadow_ = false;
 };

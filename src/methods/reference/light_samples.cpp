@@ -52,8 +52,32 @@ SunRay sun_ray(const scene::Light& sun, double random_radius, double random_angl
         1 / cosine};
 }
 
+glm::dvec3 emission_point(const scene::FrameScene& scene, const scene::Light& lamp, double random_first,
+                          double random_second) {
+    const scene::EmitterPart& part = lamp.part;
+    if (part.count == 0) return lamp.position - scene.origin;
+    const double first = part.low.x + random_first * (part.high.x - part.low.x);
+    const double second = part.low.y + random_second * (part.high.y - part.low.y);
+    // From the middle of the emitter, to the right of where it heads and up; what faces straight up or down
+    // heads to -z.
+    const glm::dvec3& axis = lamp.direction;
+    const bool heads = std::hypot(axis.x, axis.z) > 1e-6;
+    const double heading = heads ? std::atan2(axis.z, axis.x) : -0.5 * std::numbers::pi;
+    const glm::dvec3 right(-std::sin(heading), 0, std::cos(heading));
+    const glm::dvec3 up = normalize(cross(right, axis));
+    double x = (first - 0.5) * lamp.size.x, y = (second - 0.5) * lamp.size.y;
+    if (lamp.type == scene::LightType::disc) {
+        x = lamp.radius * std::sqrt(first) * std::cos(2 * std::numbers::pi * second);
+        y = lamp.radius * std::sqrt(first) * std::sin(2 * std::numbers::pi * second);
+    }
+    const double distance = std::hypot(x, y), angle = std::atan2(y, x) - lamp.roll;
+    return part.center - scene.origin + distance * std::cos(angle) * right + distance * std::sin(angle) * up;
+}
+
 glm::dvec3 intensity_towards(const scene::Light& light, const OwnPicture& picture,
                              const glm::dvec3& direction) {
+    if (light.part.count > 0)  // Lambert's law; the other side is dark
+        return std::max(0.0, dot(direction, light.direction)) * light.intensity;
     if (light.type != scene::LightType::spot) return light.intensity;
     const double share = spot_share(dot(direction, light.direction), light.cone_angle, light.falloff_angle);
     return share * light.intensity * picture.towards(direction);

@@ -54,13 +54,18 @@ struct SunRay {
 };
 SunRay sun_ray(const scene::Light& sun, double random_radius, double random_angle);
 
+/// m, relative to FrameScene::origin: where a lamp's light starts. Of a part of an area light a point of it,
+/// evenly by two random numbers.
+glm::dvec3 emission_point(const scene::FrameScene& scene, const scene::Light& lamp, double random_first,
+                          double random_second);
+
 /// Two unit vectors across a unit axis.
 struct AcrossAxis {
     glm::dvec3 u, v;
     explicit AcrossAxis(const glm::dvec3& axis);
 };
 
-/// Of a point light or spot with its picture, W/sr.
+/// Of a point light, a spot with its picture or a part of an area light, W/sr.
 glm::dvec3 intensity_towards(const scene::Light& light, const OwnPicture& picture,
                              const glm::dvec3& direction);
 

@@ -1,0 +1,28 @@
+#pragma once
+#include <glm/glm.hpp>
+
+#include "methods/photon_splatting/photon_grid.h"
+#include "scene/frame_scene.h"
+
+namespace dapple::methods {
+
+/// How far apart photons of one place of the water land that points of one part of an area light send: what
+/// the part's middle sends is spread as far, so that few parts leave no images of their own. To first order,
+/// by the differential of the ray whose light moves and whose place on the water does not.
+class EmitterBlur {
+public:
+    EmitterBlur(const scene::FrameScene& scene, const PhotonGrid& grid);
+
+    /// Whether the light is a part of an area light.
+    bool any() const { return any_; }
+    /// m^2, on the hit's plane, in coordinates along its unit vectors `right` and `up`; never singular, so
+    /// that it has an inverse.
+    glm::mat2 covariance(const PhotonHit& hit, glm::vec3 right, glm::vec3 up) const;
+
+private:
+    const PhotonGrid& grid_;
+    bool any_;
+    glm::vec3 spread_u_, spread_v_;  // as scene::EmitterPart
+};
+
+}  // namespace dapple::methods
