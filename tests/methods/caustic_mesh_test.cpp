@@ -3,12 +3,15 @@
 #include <numeric>
 
 #include "light/caustic_map.h"
+#include "methods/caustic_mesh/cell_drawing.h"
+#include "methods/caustic_mesh/cell_renderer.h"
 #include "methods/flat_water_light.h"
 
 namespace dapple {
 namespace {
 
 using light::Event;
+namespace caustic_mesh = methods::caustic_mesh;
 using test::flat_pool;
 using test::kMeshIndex;
 using test::kPoolFloor;
@@ -251,6 +254,63 @@ TEST(CausticMesh, ErrorFallsWithTheSquareOfTheSpacing) {
         EXPECT_LT(errors[3], errors[2] / 2);
         EXPECT_LT(errors[2], share < 1 ? 1e-4 : 5e-4);
     }
+}
+
+TEST(CausticMesh, BandsLargerThanAStorageBufferAreDrawn) {
+    const scene::FrameScene scene = flat_pool(20, 8, 16);
+    const view::ReceiverLayer layer = test::receivers_on(scene, kPoolFloor, true);
+    layout::MeshCell cell{};
+    cell.corner_0 = layer.position[0] + glm::vec3(-1, 0, -1);
+    cell.corner_1 = layer.position[0] + glm::vec3(3, 0, -1);
+    cell.corner_2 = layer.position[0] + glm::vec3(3, 0, 3);
+    cell.corner_3 = layer.position[0] + glm::vec3(-1, 0, 3);
+    cell.normal = cell.facing = {0, 1, 0};
+    cell.tolerance = 0.1f;
+    cell.in_water = 1;
+    cell.center = {8, 8};
+    cell.edge_a = {8, 0};
+    cell.edge_b = {0, 8};
+    layout::MeshCell outside = cell;  // of the picture
+    outside.center = {-1000, -1000};
+    cell.irradiance_0 = cell.irradiance_1 = cell.irradiance_2 = cell.irradiance_3 = {1, 2, 3};
+
+    caustic_mesh::CellRenderer renderer(test::validated_device());
+    const std::size_t most = test::validated_device().largest_storage_range() / sizeof(layout::MeshCell);
+    if (most > 2'000'000) GTEST_SKIP() << "the device binds more than a test should fill";
+    caustic_mesh::Cells cells;
+    cells.points.resize(3);
+    cells.points[1].assign(most, outside);
+    cells.points[1].push_back(cell);
+    cells.points[2].push_back(cell);
+    renderer.add(cells);
+    EXPECT_EQ(renderer.points(), most + 2);
+    methods::LayerResult result;
+    FrameStats stats;
+    renderer.render(scene, true, {&layer, 1}, {&result, 1}, stats);
+    EXPECT_NEAR(result.irradiance[0].g, 4.0f, 1e-5f);  // of the two cells
+}
+
+TEST(CausticMesh, LightOfCellsWithoutAMeasureIsNamedLost) {
+    const scene::FrameScene scene = flat_pool(20, 8, 16);
+    const caustic_mesh::CellDrawing drawing(scene, true, 64);
+    const glm::vec3 middle = glm::vec3(glm::dvec3(0, -1.5, 0) - scene.origin);
+    caustic_mesh::LandedCell cell;
+    cell.corner = {middle + glm::vec3(-0.1f, 0, -0.1f), middle + glm::vec3(0.1f, 0, -0.1f),
+                   middle + glm::vec3(0.1f, 0, 0.1f), middle + glm::vec3(-0.1f, 0, 0.1f)};
+    cell.flux = {4, 1, 1, 4};
+    cell.power = {glm::vec3(3, 0, 0), glm::vec3(0, 3, 0), glm::vec3(3, 0, 0), glm::vec3(0, 0, 6)};
+    cell.share = 0.5f;
+    cell.normal = {0, 1, 0};
+    cell.beam = {0, -1, 0};
+    layout::MeshCell drawn;
+    bool widened = false;
+    EXPECT_NE(drawing.draw(cell, drawn, widened), caustic_mesh::Drawn::lost);
+    cell.beam = {1, 0, 0};  // along the plane: no brightness, but flux
+    EXPECT_EQ(drawing.draw(cell, drawn, widened), caustic_mesh::Drawn::lost);
+    // Corners 0 and 2 in both triangles: (2 * 4 + 1 + 2 * 1 + 2 * 4) / 6 of powers' means, of half a cell.
+    EXPECT_FLOAT_EQ(caustic_mesh::CellDrawing::carried(cell, false), 0.5f * 19 / 6);
+    // A triangle's three corners alike, half the cell: (4 + 1 + 1) / 6.
+    EXPECT_FLOAT_EQ(caustic_mesh::CellDrawing::carried(cell, true), 0.5f * 1);
 }
 
 }  // namespace

@@ -43,8 +43,10 @@ std::size_t CausticMesh::bytes(const scene::FrameState& state, std::size_t pixel
     // Cells of the paper's are triangles.
     const double cell = sizeof(layout::MeshCell) * (state.caustics.map.paper_faithful ? 2.0 : 1.0);
     constexpr double kLayer = 4 * 5 * 16;  // of four layers: in, receivers, irradiance
-    // One map after another is drawn, landed and cut into cells, in bands before they go to the device.
-    const double begin = std::max(maps.tracing, maps.meshes + maps.largest * (kLanding + cell));
+    // One map after another is drawn, landed and cut into cells, a stretch of them before it goes to the
+    // device.
+    const double stretch = std::min(maps.largest, static_cast<double>(caustic_mesh::kStretch));
+    const double begin = std::max(maps.tracing, maps.meshes + maps.largest * kLanding + stretch * cell);
     const double layers = static_cast<double>(pixels) * kLayer;
     constexpr double kMost = 0x1p61;  // maps of absurd size must not wrap around to a small number
     return static_cast<std::size_t>(std::min(kMost, maps.photons * cell + std::max(begin, layers)));
@@ -70,13 +72,18 @@ void CausticMesh::begin(FrameContext& context) {
             }
             context.stats.count("photons landed", static_cast<double>(landings.count));
             const ScopedPass pass(context.stats, "mesh cells");
-            const caustic_mesh::Cells cells =
-                caustic_mesh::build_cells(context.scene, media, mesh, landings, context.rays,
-                                          context.device.largest_point_size(), map.paper_faithful);
-            renderer.add(cells);
-            context.stats.count("cells cut", static_cast<double>(cells.cut));
-            context.stats.count("cells widened", static_cast<double>(cells.widened));
-            context.stats.count("triangles left out", static_cast<double>(cells.left_out));
+            caustic_mesh::build_cells(
+                context.scene, media, mesh, landings, context.rays, context.device.largest_point_size(),
+                map.paper_faithful, [&](const caustic_mesh::Cells& cells) {
+                    renderer.add(cells);
+                    context.stats.count("cells cut", static_cast<double>(cells.cut));
+                    context.stats.count("cells widened", static_cast<double>(cells.widened));
+                    context.stats.count("triangles left out", static_cast<double>(cells.left_out));
+                    if (cells.overfull > 0)
+                        context.stats.count("cells beside more faces than they light",
+                                            static_cast<double>(cells.overfull));
+                    if (cells.lost > 0) context.stats.count("lost to cells without size, W", cells.lost);
+                });
         };
         state_->mapper.trace_each(
             context.scene, context.rays, light, events, map, context.stats,

@@ -28,7 +28,8 @@ public:
 
     struct Out {
         std::vector<layout::MeshCell> points, quads;
-        std::size_t cut = 0, widened = 0, left_out = 0;
+        std::size_t cut = 0, widened = 0, left_out = 0, overfull = 0;
+        double lost = 0;
     };
 
     /// The cell whose last ray in row and column is (row, column); rays beyond the grid are missing.
@@ -87,7 +88,7 @@ public:
             if (!drawing_.seen(image.cell)) continue;
             images_.carry(triangle, image);
             layout::MeshCell drawn;
-            take(drawing_.draw_paper(image.cell, drawn), drawn, out);
+            take(drawing_.draw_paper(image.cell, drawn), drawn, image.cell, true, out);
         }
     }
 
@@ -122,6 +123,7 @@ private:
             for (std::size_t c = column - std::min(column, rings);
                  c <= std::min(mesh_.columns() - 1, column + 1 + rings); ++c)
                 faces.add(mesh_.ray(r * mesh_.columns() + c));
+        if (faces.overfull()) ++out.overfull;
         const auto parts = static_cast<std::size_t>(even ? least : std::max(least, parts_of(corners, faces)));
         if (parts == 1) {
             lay(corners, faces, 1, out);
@@ -249,12 +251,13 @@ private:
         bool widened;
         const Drawn how = drawing_.draw(image.cell, drawn, widened);
         if (how != Drawn::not_seen && widened) ++out.widened;
-        take(how, drawn, out);
+        take(how, drawn, image.cell, false, out);
     }
 
-    static void take(Drawn how, const layout::MeshCell& drawn, Out& out) {
+    static void take(Drawn how, const layout::MeshCell& drawn, const LandedCell& cell, bool paper, Out& out) {
         if (how == Drawn::as_point) out.points.push_back(drawn);
         if (how == Drawn::as_quad) out.quads.push_back(drawn);
+        if (how == Drawn::lost) out.lost += static_cast<double>(CellDrawing::carried(cell, paper));
     }
 
     const LandedMesh& mesh_;
@@ -264,35 +267,40 @@ private:
 
 }  // namespace
 
-Cells build_cells(const scene::FrameScene& scene, const media::Media& media, const light::BeamMesh& mesh,
-                  const light::Landings& landings, const rays::RayScene& rays, float largest_point,
-                  bool paper) {
-    Cells cells;
-    if (mesh.vertices() == 0) return cells;
+void build_cells(const scene::FrameScene& scene, const media::Media& media, const light::BeamMesh& mesh,
+                 const light::Landings& landings, const rays::RayScene& rays, float largest_point, bool paper,
+                 const std::function<void(const Cells&)>& take) {
+    if (mesh.vertices() == 0) return;
     const LandedMesh landed(scene, media, mesh, landings, rays);
     const CellDrawing drawing(scene, mesh.in_water(), largest_point);
     const Builder builder(landed, drawing);
     const light::GridBlocks blocks(mesh.rows + 1, mesh.columns + 1);
     const std::size_t columns = landed.columns() + 1;
-    std::vector<Builder::Out> bands(blocks.bands());
-    parallel_for(blocks.bands(), 1, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t band = begin; band < end; ++band)
-            blocks.visit_band(band, [&](std::size_t i) {
-                if (paper) {
-                    builder.build_paper(i / columns, i % columns, bands[band]);
-                } else {
-                    builder.build(i / columns, i % columns, bands[band]);
-                }
-            });
-    });
-    for (Builder::Out& band : bands) {
-        cells.points.push_back(std::move(band.points));
-        cells.quads.push_back(std::move(band.quads));
-        cells.cut += band.cut;
-        cells.widened += band.widened;
-        cells.left_out += band.left_out;
+    const std::size_t stretch = std::max<std::size_t>(1, kStretch / blocks.band_size());
+    for (std::size_t first = 0; first < blocks.bands(); first += stretch) {
+        std::vector<Builder::Out> bands(std::min(stretch, blocks.bands() - first));
+        parallel_for(bands.size(), 1, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t band = begin; band < end; ++band)
+                blocks.visit_band(first + band, [&](std::size_t i) {
+                    if (paper) {
+                        builder.build_paper(i / columns, i % columns, bands[band]);
+                    } else {
+                        builder.build(i / columns, i % columns, bands[band]);
+                    }
+                });
+        });
+        Cells cells;
+        for (Builder::Out& band : bands) {
+            cells.points.push_back(std::move(band.points));
+            cells.quads.push_back(std::move(band.quads));
+            cells.cut += band.cut;
+            cells.widened += band.widened;
+            cells.left_out += band.left_out;
+            cells.overfull += band.overfull;
+            cells.lost += band.lost;
+        }
+        take(cells);
     }
-    return cells;
 }
 
 }  // namespace dapple::methods::caustic_mesh

@@ -145,7 +145,7 @@ Drawn CellDrawing::draw(const LandedCell& landed, layout::MeshCell& drawn, bool&
     widened = widen(cell);
     const float first = area(cell.corner[0], cell.corner[1], cell.corner[2]),
                 second = area(cell.corner[0], cell.corner[2], cell.corner[3]), whole = first + second;
-    if (!(whole > 0)) return Drawn::not_seen;
+    if (!(whole > 0)) return Drawn::lost;
     std::array<float, 4> density;
     for (std::size_t k = 0; k < 4; ++k) {
         const float about = cell.area[k] > 0 ? cell.area[k] / cell.share : whole;
@@ -156,14 +156,25 @@ Drawn CellDrawing::draw(const LandedCell& landed, layout::MeshCell& drawn, bool&
         3;
     // Each triangle a third of half a cell for each of its corners: over the mesh these shares of a ray sum
     // to one, and brightness is the linear interpolation of flux where areas are alike.
-    const float carried = cell.share * (2 * (cell.flux[0] + cell.flux[2]) + cell.flux[1] + cell.flux[3]) / 6;
-    if (!(integral > 0)) return Drawn::not_seen;
-    const float scale = carried / integral;
+    const float whole_flux =
+        cell.share * (2 * (cell.flux[0] + cell.flux[2]) + cell.flux[1] + cell.flux[3]) / 6;
+    if (!(whole_flux > 0)) return Drawn::not_seen;
+    if (!(integral > 0)) return Drawn::lost;
+    const float scale = whole_flux / integral;
     drawn.irradiance_0 = scale * density[0] * cell.power[0];
     drawn.irradiance_1 = scale * density[1] * cell.power[1];
     drawn.irradiance_2 = scale * density[2] * cell.power[2];
     drawn.irradiance_3 = scale * density[3] * cell.power[3];
     return finish(cell, drawn);
+}
+
+float CellDrawing::carried(const LandedCell& cell, bool paper) {
+    const std::array<float, 4> weight = paper ? std::array{1.0f, 1.0f, 1.0f, 0.0f}   // of half a cell, a
+                                              : std::array{2.0f, 1.0f, 2.0f, 1.0f};  // sixth each
+    float sum = 0;
+    for (std::size_t k = 0; k < 4; ++k)
+        sum += weight[k] * cell.flux[k] * (cell.power[k].r + cell.power[k].g + cell.power[k].b);
+    return cell.share * sum / 18;
 }
 
 Drawn CellDrawing::draw_paper(const LandedCell& landed, layout::MeshCell& drawn) const {
@@ -191,7 +202,7 @@ Drawn CellDrawing::finish(const LandedCell& cell, layout::MeshCell& drawn) const
     drawn.tolerance = kPlaneTolerance * extent * std::abs(facing);
     drawn.in_water = in_water_ ? 1.0f : 0.0f;
     drawn.disc = disc_box(cell);
-    if (!finite(drawn)) return Drawn::not_seen;
+    if (!finite(drawn)) return Drawn::lost;
 
     PictureCover box, tight;
     if (!cover(cell, box, tight)) return Drawn::not_seen;

@@ -21,8 +21,8 @@ struct LandedCell {
     float disc = 0;                  ///< m, radius of the image of the sun's disc across the beam
 };
 
-/// How a cell is drawn.
-enum class Drawn { not_seen, as_point, as_quad };
+/// How a cell is drawn. `lost`: it has light that the camera may see, and no size or brightness in float.
+enum class Drawn { not_seen, as_point, as_quad, lost };
 
 /// Makes landed cells into what is drawn, each with its flux: brightness is flux over area, at a corner that
 /// of the cells about it, all corners together such that the cell has its flux.
@@ -40,6 +40,8 @@ public:
     /// Of a cell that is seen. `widened`: it was thinner than a fiftieth of a pixel, and is drawn as a quad
     /// of that width.
     Drawn draw(const LandedCell& cell, layout::MeshCell& drawn, bool& widened) const;
+    /// W, mean of the channels, that a cell brings to its plane, or a triangle of the paper's.
+    static float carried(const LandedCell& cell, bool paper);
     /// A triangle of the paper's, corners 0 to 2, of one brightness, as thin as it is.
     Drawn draw_paper(const LandedCell& cell, layout::MeshCell& drawn) const;
 

@@ -12,9 +12,14 @@ constexpr float kLeastRelativeCosine = 0.1f;
 }  // namespace
 
 void Faces::add(const MeshRay& ray) {
-    if (!ray.landed() || count_ == rays_.size()) return;
-    if (std::none_of(begin(), end(), [&](const MeshRay& known) { return same_face(known, ray); }))
-        rays_[count_++] = ray;
+    if (!ray.landed() ||
+        std::any_of(begin(), end(), [&](const MeshRay& known) { return same_face(known, ray); }))
+        return;
+    if (count_ == rays_.size()) {
+        overfull_ = true;
+        return;
+    }
+    rays_[count_++] = ray;
 }
 
 CellImage CellImages::about(const Corners& corners, float share) const {

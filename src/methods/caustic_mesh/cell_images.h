@@ -10,17 +10,20 @@ namespace dapple::methods::caustic_mesh {
 /// Rays at the corners of a cell: (0, 0), (0, 1), (1, 1) and (1, 0) in rows and columns.
 using Corners = std::array<MeshRay, 4>;
 
-/// Different faces that a cell may be laid onto, each by a ray that landed there.
+/// Different faces that a cell may be laid onto, each by a ray that landed there; eight at most.
 class Faces {
 public:
     void add(const MeshRay& ray);
     std::size_t count() const { return count_; }
+    /// Whether there were more, which the cell does not light.
+    bool overfull() const { return overfull_; }
     const MeshRay* begin() const { return rays_.data(); }
     const MeshRay* end() const { return rays_.data() + count_; }
 
 private:
     std::array<MeshRay, 8> rays_;
     std::size_t count_ = 0;
+    bool overfull_ = false;
 };
 
 /// A cell on a plane, and where on its rays that is.

@@ -107,28 +107,25 @@ struct CellRenderer::State {
           quads_4(d, "large mesh cells of four layers", caustic_mesh_cell_quad_vert, caustic_mesh_cell_4_frag,
                   additive(gpu::Topology::triangles, 4)) {}
 
-    /// Packs the bands one after another into buffers that fit a storage binding.
+    /// Packs the bands one after another into buffers that fit a storage binding; a band may span several.
     void pack(const std::vector<std::vector<MeshCell>>& bands, std::vector<gpu::Buffer>& buffers) {
         const std::size_t most = device.largest_storage_range() / sizeof(MeshCell);
-        std::size_t band = 0;
-        while (band < bands.size()) {
-            std::vector<std::size_t> first;  // of each band in this buffer
-            std::size_t total = 0, end = band;
-            while (end < bands.size() && (end == band || total + bands[end].size() <= most)) {
-                first.push_back(total);
-                total += bands[end++].size();
-            }
-            if (total > 0) {
-                gpu::Buffer buffer(device, "mesh cells", total * sizeof(MeshCell), gpu::BufferMemory::device);
-                const std::span<MeshCell> cells = buffer.as<MeshCell>();
-                parallel_for(end - band, 1, [&](std::size_t from, std::size_t to) {
-                    for (std::size_t b = from; b < to; ++b)
-                        std::copy(bands[band + b].begin(), bands[band + b].end(),
-                                  cells.begin() + static_cast<std::ptrdiff_t>(first[b]));
-                });
-                buffers.push_back(std::move(buffer));
-            }
-            band = end;
+        std::vector<std::size_t> first{0};  // of each band among all
+        for (const std::vector<MeshCell>& band : bands) first.push_back(first.back() + band.size());
+        for (std::size_t start = 0; start < first.back(); start += most) {
+            const std::size_t count = std::min(most, first.back() - start);
+            gpu::Buffer buffer(device, "mesh cells", count * sizeof(MeshCell), gpu::BufferMemory::device);
+            const std::span<MeshCell> cells = buffer.as<MeshCell>();
+            parallel_for(bands.size(), 1, [&](std::size_t from, std::size_t to) {
+                for (std::size_t b = from; b < to; ++b) {
+                    const std::size_t begin = std::max(first[b], start),
+                                      end = std::min(first[b + 1], start + count);
+                    if (begin < end)
+                        std::copy_n(bands[b].begin() + static_cast<std::ptrdiff_t>(begin - first[b]),
+                                    end - begin, cells.begin() + static_cast<std::ptrdiff_t>(begin - start));
+                }
+            });
+            buffers.push_back(std::move(buffer));
         }
     }
 
