@@ -12,14 +12,17 @@ namespace dapple::app {
 namespace {
 
 ExitCode bench(judge::BenchOptions options) {
-    if (options.timeline.empty() && options.hard_cases.empty()) {
-        throw Error(ExitCode::usage, "name a timeline, or --hard-cases FOLDER (see --help)");
+    if (options.timeline.empty() && options.hard_cases.empty() && options.claims.empty()) {
+        throw Error(ExitCode::usage,
+                    "name a timeline, or --hard-cases FOLDER, or --claims FOLDER (see --help)");
     }
     const run::Interruption interruption;
     set_thread_count(options.threads);
     image::set_exr_threads(thread_count());
     if (options.folder.empty()) {
-        const std::string& named = options.timeline.empty() ? options.hard_cases : options.timeline;
+        const std::string& named = !options.timeline.empty() ? options.timeline
+                                   : !options.claims.empty() ? options.claims
+                                                             : options.hard_cases;
         options.folder = "out/bench_" + std::filesystem::path(named).lexically_normal().stem().string();
     }
     run::Reporter reporter;
@@ -66,6 +69,9 @@ void add_bench_verb(CLI::App& app, Run& run, int argc, const char* const* argv) 
     verb->add_option(
         "--hard-cases", options->hard_cases,
         "Also render every timeline (*.yaml) of this folder by every method, with a verdict each");
+    verb->add_option("--claims", options->claims,
+                     "A claim of a paper as a file, or a folder of them (*.yaml), as sequences/claims: runs "
+                     "them and says by what factor each claim holds or fails; without a timeline");
     verb->add_option("--threads", options->threads, "Threads; 0 (default): all that the process may use")
         ->check(CLI::Range(0, 1024));
     verb->add_option("--device", options->device, "Part of the name of a Vulkan device (see dapple info)");
@@ -75,7 +81,8 @@ void add_bench_verb(CLI::App& app, Run& run, int argc, const char* const* argv) 
         "their job is the same. Writes bench.csv, bench.json and index.html.\n"
         "Exit codes: 0 done, 2 wrong call, 3 invalid timeline, 4 unreadable input, 5 unwritable output, 6 a "
         "run\n"
-        "or a hard case failed, 7 device, 33 memory, 75 interrupted (the same command goes on).");
+        "or a hard case failed, or a figure of a claim is not what is expected, 7 device, 33 memory, 75 "
+        "interrupted (the same command goes on).");
     verb->callback([options, &run] { run = [options] { return bench(*options); }; });
 }
 

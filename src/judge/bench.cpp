@@ -7,6 +7,8 @@
 
 #include "base/checked_file.h"
 #include "base/frame_set.h"
+#include "base/suggest.h"
+#include "judge/bench_claim_report.h"
 #include "judge/bench_errors.h"
 #include "judge/bench_hard_cases.h"
 #include "judge/bench_report.h"
@@ -30,18 +32,6 @@ std::vector<std::int64_t> frames_of(const BenchOptions& options, const scene::Cl
     const std::int64_t middle = (clip.first_frame + clip.last_frame) / 2;
     const std::int64_t first = std::max(clip.first_frame, middle - 1);
     return FrameSet::range(first, std::min(clip.last_frame, first + 2)).frames();
-}
-
-/// A frame that is not judged, for what a process does once: of the clip, where that has another one.
-std::int64_t warm_up_frame(const std::vector<std::int64_t>& frames, const scene::Clip& clip) {
-    const auto wanted = [&](std::int64_t frame) {
-        return std::binary_search(frames.begin(), frames.end(), frame);
-    };
-    for (std::int64_t frame = frames.front(); frame <= clip.last_frame; ++frame)
-        if (!wanted(frame)) return frame;
-    std::int64_t frame = frames.front() - 1;
-    while (wanted(frame)) --frame;
-    return frame;
 }
 
 std::string processor_name() {
@@ -74,7 +64,7 @@ public:
                                   {{"command", options_.command_line}, {"processor", processor_name()}});
         if (!options_.timeline.empty() && !(render_reference() && render_rungs() && judge()))
             return interrupted();
-        if (!hard_cases()) return interrupted();
+        if (!claims() || !hard_cases()) return interrupted();
         const std::string base = options_.folder + "/";
         write_file_atomically(base + "bench.csv", bench_csv(result_));
         write_file_atomically(base + "bench.json", bench_json(result_));
@@ -86,8 +76,14 @@ public:
 private:
     void plan() {
         refuse_what_is_not_used();
-        if (!options_.hard_cases.empty()) case_files_ = hard_case_files(options_.hard_cases);
+        if (!options_.hard_cases.empty()) case_files_ = yaml_files(options_.hard_cases, "--hard-cases");
         methods_ = methods_of(options_.plan);
+        if (!options_.claims.empty()) {
+            for (const std::string& file : claim_files(options_.claims)) {
+                claims_.push_back(read_claim(file));
+                check_runs(claims_.back());
+            }
+        }
         if (options_.timeline.empty()) return;
         plan_ = plan_bench(options_.timeline, options_.plan);
         const auto timeline = timeline::Timeline::load(options_.timeline, plan_.reference_overrides);
@@ -112,9 +108,14 @@ private:
         }
     }
 
-    /// What changes the timeline would change nothing of the hard cases, which are rendered as they are.
+    /// What changes the timeline would change nothing of claims and hard cases, which are rendered as they
+    /// are.
     void refuse_what_is_not_used() const {
-        if (!options_.timeline.empty()) return;
+        if (!options_.timeline.empty()) {
+            if (options_.claims.empty()) return;
+            throw Error(ExitCode::usage, "--claims name their own timelines: leave " +
+                                             in_quotes(clipped(options_.timeline)) + " out");
+        }
         const char* unused = !options_.plan.settings.empty()  ? "--set"
                              : !options_.plan.ladders.empty() ? "--ladder"
                              : !options_.frames.empty()       ? "--frames"
@@ -122,7 +123,7 @@ private:
         if (unused == nullptr) return;
         throw Error(ExitCode::usage, std::string(unused) +
                                          " is for a timeline, and none is named: hard cases are rendered as "
-                                         "they are");
+                                         "they are, and so are claims");
     }
 
     /// False where it was interrupted, as the two below.
@@ -157,7 +158,6 @@ private:
 
     run::OutputPaths reference_paths() const { return {result_.reference->folder, clip_.name}; }
 
-    /// Repeats outermost, so that what else the machine does is spread over all rungs.
     bool render_rungs() {
         const std::int64_t warm_up = warm_up_frame(frames_, clip_);
         for (const Rung& rung : plan_.rungs) {
@@ -167,45 +167,7 @@ private:
                 reporter_.note(rung.name + ": " + std::to_string(runs_.back().repeats().size()) +
                                " repeats kept");
         }
-        const auto wanted = static_cast<std::size_t>(options_.repeats);
-        for (std::size_t repeat = 1; repeat <= wanted; ++repeat) {
-            for (TimedRun& run : runs_) {
-                if (run.repeats().size() >= repeat || !run.failure().empty()) continue;
-                if (renderings_.interrupted()) return false;
-                const std::string number =
-                    "repeat " + std::to_string(repeat) + " of " + std::to_string(wanted);
-                renderings_.set_head(number + ", " + left() + " left: ");
-                if (!run.add_repeat()) return false;
-                renderings_.set_head("");
-                if (!run.failure().empty()) {
-                    reporter_.warning(run.name() + " failed: " + run.failure());
-                    continue;
-                }
-                char text[64];
-                std::snprintf(text, sizeof text, ": %.3f s a frame, ",
-                              timing_of(run.repeats()).wall_s.median);
-                reporter_.note(run.name() + ", " + number + text + left() + " left");
-            }
-        }
-        return true;
-    }
-
-    /// Time for the repeats to come: as before, and for rungs without any as the others' mean.
-    std::string left() const {
-        double known = 0, count = 0;
-        for (const TimedRun& run : runs_) {
-            known += run.mean_process_s();
-            count += run.repeats().empty() ? 0 : 1;
-        }
-        if (count == 0) return "unknown time";
-        double sum = 0;
-        for (const TimedRun& run : runs_) {
-            const auto wanted = static_cast<std::size_t>(options_.repeats);
-            if (!run.failure().empty() || run.repeats().size() >= wanted) continue;
-            sum += static_cast<double>(wanted - run.repeats().size()) *
-                   (run.repeats().empty() ? known / count : run.mean_process_s());
-        }
-        return run::format_duration(sum);
+        return add_repeats(runs_, static_cast<std::size_t>(options_.repeats), renderings_, reporter_);
     }
 
     static std::vector<std::string> partly(const std::optional<run::Manifest>& manifest) {
@@ -258,6 +220,17 @@ private:
         return text;
     }
 
+    bool claims() {
+        for (const Claim& claim : claims_) {
+            ClaimResult result =
+                judge_claim(claim, options_.folder + "/claims/" + claim.name, options_.folder + "/references",
+                            options_.repeats, renderings_, reporter_);
+            if (renderings_.interrupted()) return false;
+            result_.claims.push_back(std::move(result));
+        }
+        return true;
+    }
+
     bool hard_cases() {
         if (!case_files_.empty() && !options_.plan.settings.empty())
             reporter_.note("hard cases are rendered as they are, without --set");
@@ -286,7 +259,8 @@ private:
             bits += rung.failure.empty() && !rung.timing.same_bits ? 1 : 0;
         }
         const std::vector<std::string> cases = case_failures(result_);
-        const bool good = failed + bits + cases.size() == 0;
+        const std::vector<std::string> rows = claim_failures(result_.claims);
+        const bool good = failed + bits + cases.size() + rows.size() == 0;
         std::string text =
             "report " + options_.folder + "/index.html, in " + run::format_duration(reporter_.seconds());
         if (failed > 0) text = std::to_string(failed) + " rungs failed; " + text;
@@ -296,6 +270,8 @@ private:
                 cases.size() > 1 ? "; verdicts that fail: " + std::to_string(cases.size()) : std::string();
             text = cases.front() + more + "; " + text;
         }
+        for (const std::string& row : rows) reporter_.warning(row);
+        if (!rows.empty()) text = "rows of claims that fail: " + std::to_string(rows.size()) + "; " + text;
         const ExitCode code = good ? ExitCode::done : ExitCode::check_failed;
         reporter_.run_ended(static_cast<int>(code), text);
         return code;
@@ -309,6 +285,7 @@ private:
     std::vector<std::int64_t> frames_;
     std::vector<TimedRun> runs_;
     std::vector<std::string> methods_, case_files_;
+    std::vector<Claim> claims_;
     BenchResult result_;
 };
 

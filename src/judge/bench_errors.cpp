@@ -156,6 +156,29 @@ struct Sums {
     double share(double sum) const { return metrics::share_of(sum, mean); }
 };
 
+/// Contrast between neighbours of which both count.
+class Contrast {
+public:
+    void add(const Picture& picture, const std::vector<bool>& keep) {
+        const auto width = static_cast<std::size_t>(picture.width);
+        const auto step = [&](std::size_t i, std::size_t j) {
+            if (keep[i] && keep[j])
+                sum_ += std::abs(static_cast<double>(picture.luminance[j]) -
+                                 static_cast<double>(picture.luminance[i]));
+        };
+        for (std::size_t i = 0; i < keep.size(); ++i) {
+            if ((i + 1) % width != 0) step(i, i + 1);
+            if (i + width < keep.size()) step(i, i + width);
+        }
+    }
+    double over(const Contrast& other) const {
+        return sum_ == other.sum_ ? 1 : metrics::share_of(sum_, other.sum_);
+    }
+
+private:
+    double sum_ = 0;
+};
+
 /// Mean over the pixels and channels of the picture that count, of the variance in `layer`.
 double mean_variance(const Frame& reference, const std::string& layer, const std::vector<bool>& keep,
                      double samples) {
@@ -187,7 +210,7 @@ ErrorJudge::ErrorJudge(run::OutputPaths reference, std::vector<std::int64_t> fra
       layer_(std::move(layer)),
       samples_(samples) {
     std::sort(frames_.begin(), frames_.end());
-    if (layer_ == "E") variance_ = "E.variance";
+    if (layer_ == "E" && has_layer(reference_, frames_.front(), "E.variance")) variance_ = "E.variance";
     // There is none at half volume resolution.
     if (layer_ == kScatteredLayer && has_layer(reference_, frames_.front(), "S.variance"))
         variance_ = "S.variance";
@@ -232,7 +255,8 @@ ErrorJudge::Judged ErrorJudge::judge(const run::OutputPaths& run, const Pixels& 
     Judged judged;
     Sums all, inside_only;
     double flip = 0, light_sum = 0, reference_light = 0, counted = 0, covered_pixels = 0;
-    double variance_of_luminance = 0;
+    double variance_of_luminance = 0, largest = 0, lit = 0, dark = 0;
+    Contrast contrast, reference_contrast;
     metrics::FlickerTrack track;
     for (const std::int64_t number : frames_) {
         const Frame ours = read(run, number, layer_, false);
@@ -251,8 +275,15 @@ ErrorJudge::Judged ErrorJudge::judge(const run::OutputPaths& run, const Pixels& 
         }
         Picture a = masked(ours, layer_, keep), b = masked(reference, layer_, keep);
         exclude_together(a, b);
-        all.add(metrics::errors_of(a, b, 1, noise_.mean), a.counted(),
-                noise_known ? mean_variance(reference, variance_, keep, samples_) : 0);
+        const metrics::Errors errors = metrics::errors_of(a, b, 1, noise_.mean);
+        all.add(errors, a.counted(), noise_known ? mean_variance(reference, variance_, keep, samples_) : 0);
+        largest = std::max(largest, errors.largest);
+        contrast.add(a, keep);
+        reference_contrast.add(b, keep);
+        for (std::size_t i = 0; i < pixels; ++i) {
+            lit += b.luminance[i] > 0 ? 1 : 0;
+            dark += b.luminance[i] > 0 && !(a.luminance[i] > 0) ? 1 : 0;
+        }
         Picture inner = masked(ours, layer_, keep_inside), inner_b = masked(reference, layer_, keep_inside);
         exclude_together(inner, inner_b);
         inside_only.add(metrics::errors_of(inner, inner_b, 1, noise_.mean), inner.counted(), 0);
@@ -289,6 +320,9 @@ ErrorJudge::Judged ErrorJudge::judge(const run::OutputPaths& run, const Pixels& 
     errors.l1 = all.share(all.mae);
     errors.l1_inside = inside_only.share(inside_only.mae);
     errors.bias = all.share(all.bias);
+    errors.largest = all.share(largest * all.count);
+    errors.dark = lit > 0 ? dark / lit : 0;
+    errors.detail = contrast.over(reference_contrast);
     errors.bias_error = noise_known ? all.share(std::sqrt(variance_of_luminance)) : 0;
     errors.energy = metrics::share_of(light_sum - reference_light, reference_light);
     errors.flip = flip / static_cast<double>(frames_.size());

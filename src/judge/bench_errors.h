@@ -25,7 +25,12 @@ struct ClipErrors {
     double bias = 0;
     double bias_error = 0;  ///< standard error of the bias by the reference's noise, pixels independent
     double energy = 0;      ///< light over the whole picture, covered or not, less the reference's
-    double flip = 0;        ///< HDR-FLIP of R, G, B: mean over pixels and frames
+    double largest = 0;     ///< of a pixel's channel
+    double dark = 0;        ///< share of the pixels with light that have none in the run
+    /// Contrast that is left: sum over neighbours in rows and columns of |difference of luminance|, over the
+    /// reference's, whose noise adds to it. 1 where there is none in either.
+    double detail = 1;
+    double flip = 0;  ///< HDR-FLIP of R, G, B: mean over pixels and frames
     /// Mean over frames with both neighbours and pixels of (D_t - (D_(t-1) + D_(t+1)) / 2)^2, D the
     /// difference of luminance, over the squared mean of the run's own (metrics/flicker_track.h); none where
     /// no three frames follow each other.

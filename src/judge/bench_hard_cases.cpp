@@ -157,17 +157,6 @@ ScatteredVerdict scattered_of(const CaseRun& run, const ErrorJudge& judge, const
 
 }  // namespace
 
-std::vector<std::string> hard_case_files(const std::string& folder) {
-    std::vector<std::string> files;
-    std::error_code fault;
-    for (const auto& entry : std::filesystem::directory_iterator(folder, fault))
-        if (entry.path().extension() == ".yaml") files.push_back(entry.path().string());
-    if (files.empty())
-        throw Error(ExitCode::usage, "--hard-cases " + folder + ": no folder of timelines (*.yaml)");
-    std::sort(files.begin(), files.end());
-    return files;
-}
-
 double energy_tolerance(const ReferenceNoise& noise, double share) {
     const double deviation = noise.rmse.value_or(0);
     return kEnergyTolerance + (deviation > 0 ? 3 * deviation / std::sqrt(noise.pixels * share) : 0);

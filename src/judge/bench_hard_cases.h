@@ -31,9 +31,6 @@ struct HardCase {
     std::vector<CaseVerdict> verdicts;
 };
 
-/// The timelines (*.yaml) of a folder, sorted. Throws Error(usage) where there is none.
-std::vector<std::string> hard_case_files(const std::string& folder);
-
 /// Renders one case by the reference (to 5 %, or 30 million rays a light) and each method into
 /// FOLDER/METHOD, and judges them. Fewer verdicts where it is interrupted.
 HardCase judge_hard_case(const std::string& timeline, const std::vector<std::string>& methods,

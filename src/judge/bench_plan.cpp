@@ -4,6 +4,7 @@
 #include <array>
 #include <cctype>
 #include <cstdio>
+#include <filesystem>
 #include <set>
 #include <string_view>
 
@@ -249,6 +250,16 @@ BenchPlan plan_bench(const std::string& timeline, const PlanOptions& options) {
         }
     }
     return plan;
+}
+
+std::vector<std::string> yaml_files(const std::string& folder, const std::string& option) {
+    std::vector<std::string> files;
+    std::error_code fault;
+    for (const auto& entry : std::filesystem::directory_iterator(folder, fault))
+        if (entry.path().extension() == ".yaml") files.push_back(entry.path().string());
+    if (files.empty()) wrong(option + " " + folder + ": no folder of timelines (*.yaml)");
+    std::sort(files.begin(), files.end());
+    return files;
 }
 
 }  // namespace dapple::judge

@@ -59,4 +59,7 @@ std::vector<std::string> overrides_for(const std::string& method, const std::str
 /// caustics that no method knows; TimelineError where the timeline does not take a setting of a rung.
 BenchPlan plan_bench(const std::string& timeline, const PlanOptions& options);
 
+/// The files *.yaml of a folder that `option` names, sorted. Throws Error(usage) where there is none.
+std::vector<std::string> yaml_files(const std::string& folder, const std::string& option);
+
 }  // namespace dapple::judge

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "judge/bench_claim_report.h"
 #include "judge/bench_error_times.h"
 #include "judge/text.h"
 #include "report/canvas.h"
@@ -311,7 +312,9 @@ std::vector<std::string> bench_definitions(const BenchResult& result) {
 }
 
 std::string bench_html(const BenchResult& result) {
-    HtmlPage page("Bench of " + (result.timeline.empty() ? "hard cases" : result.timeline));
+    HtmlPage page("Bench of " + (!result.timeline.empty() ? result.timeline
+                                 : result.claims.empty()  ? "hard cases"
+                                                          : "claims"));
     if (result.reference) {
         const ReferenceResult& r = *result.reference;
         page.paragraph("Frames " + result.frames + ", " + std::to_string(result.width) + " × " +
@@ -339,6 +342,7 @@ std::string bench_html(const BenchResult& result) {
         add_passes(page, result);
         add_notes(page, result);
     }
+    if (!result.claims.empty()) add_claims(page, result.claims);
     if (!result.hard_cases.empty()) add_hard_cases(page, result);
     page.heading("Made with");
     std::vector<std::vector<Cell>> rows;

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "judge/bench_claims.h"
 #include "judge/bench_errors.h"
 #include "judge/bench_hard_cases.h"
 #include "judge/bench_plan.h"
@@ -42,6 +43,7 @@ struct BenchResult {
     std::optional<ReferenceResult> reference;  ///< none where only hard cases were asked for
     metrics::Exposures exposures;              ///< of HDR-FLIP
     std::vector<HardCase> hard_cases;
+    std::vector<ClaimResult> claims;  ///< without a timeline; then their rows are the CSV
     run::NamedTexts provenance;
 };
 

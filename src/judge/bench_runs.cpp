@@ -31,6 +31,23 @@ std::string file_text(const std::string& path) {
     }
 }
 
+/// Time for the repeats to come: as before, and for runs without any as the others' mean.
+std::string left(const std::vector<TimedRun>& runs, std::size_t wanted) {
+    double known = 0, count = 0;
+    for (const TimedRun& run : runs) {
+        known += run.mean_process_s();
+        count += run.repeats().empty() ? 0 : 1;
+    }
+    if (count == 0) return "unknown time";
+    double sum = 0;
+    for (const TimedRun& run : runs) {
+        if (!run.failure().empty() || run.repeats().size() >= wanted) continue;
+        sum += static_cast<double>(wanted - run.repeats().size()) *
+               (run.repeats().empty() ? known / count : run.mean_process_s());
+    }
+    return run::format_duration(sum);
+}
+
 }  // namespace
 
 Renderings::Renderings(int threads, std::string device, const run::Interruption& interruption,
@@ -161,6 +178,39 @@ double TimedRun::mean_process_s() const {
 void TimedRun::save() const {
     const Json json = {{"identity", identity_}, {"repeats", Json::parse(to_json(repeats_))}};
     write_file_atomically(timings_file(), json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
+}
+
+bool add_repeats(std::vector<TimedRun>& runs, std::size_t wanted, Renderings& renderings,
+                 run::Reporter& reporter) {
+    for (std::size_t repeat = 1; repeat <= wanted; ++repeat) {
+        for (TimedRun& run : runs) {
+            if (run.repeats().size() >= repeat || !run.failure().empty()) continue;
+            if (renderings.interrupted()) return false;
+            const std::string number = "repeat " + std::to_string(repeat) + " of " + std::to_string(wanted);
+            renderings.set_head(number + ", " + left(runs, wanted) + " left: ");
+            if (!run.add_repeat()) return false;
+            renderings.set_head("");
+            if (!run.failure().empty()) {
+                reporter.warning(run.name() + " failed: " + run.failure());
+                continue;
+            }
+            reporter.note(run.name() + ", " + number +
+                          formatted(": %.3f s a frame, ", timing_of(run.repeats()).wall_s.median) +
+                          left(runs, wanted) + " left");
+        }
+    }
+    return true;
+}
+
+std::int64_t warm_up_frame(const std::vector<std::int64_t>& frames, const scene::Clip& clip) {
+    const auto wanted = [&](std::int64_t frame) {
+        return std::binary_search(frames.begin(), frames.end(), frame);
+    };
+    for (std::int64_t frame = frames.front(); frame <= clip.last_frame; ++frame)
+        if (!wanted(frame)) return frame;
+    std::int64_t frame = frames.front() - 1;
+    while (wanted(frame)) --frame;
+    return frame;
 }
 
 }  // namespace dapple::judge

@@ -90,4 +90,13 @@ private:
     std::string failure_;
 };
 
+/// Renders until every run has `wanted` repeats or has failed; repeats outermost, so that what else the
+/// machine does is spread over all runs. False where it was interrupted.
+bool add_repeats(std::vector<TimedRun>& runs, std::size_t wanted, Renderings& renderings,
+                 run::Reporter& reporter);
+
+/// A frame that is not judged, for what a process does once: of the clip, where that has another one.
+/// `frames` ascend.
+std::int64_t warm_up_frame(const std::vector<std::int64_t>& frames, const scene::Clip& clip);
+
 }  // namespace dapple::judge

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "judge/bench_claim_report.h"
 #include "judge/bench_error_times.h"
 #include "judge/bench_report.h"
 #include "judge/text.h"
@@ -19,13 +20,6 @@ std::string number(double value) {
 
 std::string number(const std::optional<double>& value) {
     return value ? number(*value) : "";
-}
-
-/// RFC 4180.
-std::string quoted(const std::string& text) {
-    std::string safe = "\"";
-    for (const char c : text) safe += c == '"' ? "\"\"" : std::string(1, c);
-    return safe + "\"";
 }
 
 Json to_json(const std::optional<double>& value) {
@@ -136,30 +130,10 @@ Json to_json(const HardCase& hard) {
             {"verdicts", verdicts}};
 }
 
-/// Columns of the text table; all but the first stand at the right.
-using Row = std::vector<std::string>;
-
-std::string aligned(const std::vector<Row>& rows) {
-    std::vector<std::size_t> widths;
-    for (const Row& row : rows) {
-        widths.resize(std::max(widths.size(), row.size()));
-        for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
-    }
-    std::string text;
-    for (const Row& row : rows) {
-        for (std::size_t i = 0; i < row.size(); ++i) {
-            const std::string space(widths[i] - row[i].size() + (i == 0 ? 0 : 2), ' ');
-            text += i == 0 ? row[i] + space : space + row[i];
-        }
-        while (!text.empty() && text.back() == ' ') text.pop_back();
-        text += "\n";
-    }
-    return text;
-}
-
 }  // namespace
 
 std::string bench_csv(const BenchResult& result) {
+    if (!result.claims.empty()) return claims_csv(result.claims);
     std::string text =
         "run,method,key,value,wall_s,wall_least_s,wall_most_s,cpu_s,cpu_least_s,cpu_most_s,warm_up_s,start_"
         "up_s,"
@@ -170,10 +144,10 @@ std::string bench_csv(const BenchResult& result) {
         "s_bias,s_flicker,s_flicker_less_noise,failure\n";
     for (const RungResult& rung : result.rungs) {
         const Ladder& ladder = result.ladders[rung.rung.ladder];
-        text += quoted(rung.rung.name) + "," + ladder.method + "," + quoted(ladder.key) + "," +
-                quoted(rung.rung.value);
+        text += csv_quoted(rung.rung.name) + "," + ladder.method + "," + csv_quoted(ladder.key) + "," +
+                csv_quoted(rung.rung.value);
         if (!rung.failure.empty()) {
-            text += std::string(32, ',') + quoted(rung.failure) + "\n";
+            text += std::string(32, ',') + csv_quoted(rung.failure) + "\n";
             continue;
         }
         const Timing& t = rung.timing;
@@ -253,6 +227,7 @@ std::string bench_json(const BenchResult& result) {
         for (const HardCase& hard : result.hard_cases) cases.push_back(to_json(hard));
         json["hard_cases"] = cases;
     }
+    if (!result.claims.empty()) json["claims"] = claims_json(result.claims);
     return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
@@ -272,8 +247,9 @@ std::vector<std::string> case_failures(const BenchResult& result) {
 std::string bench_text(const BenchResult& result) {
     std::string text;
     if (result.reference) {
-        std::vector<Row> rows = {{"run", "s a frame", "least", "most", "CPU s", "MiB", "L1 %", "inside %",
-                                  "RMSE %", "4x4 %", "bias %", "energy %", "FLIP", "flicker"}};
+        std::vector<std::vector<std::string>> rows = {{"run", "s a frame", "least", "most", "CPU s", "MiB",
+                                                       "L1 %", "inside %", "RMSE %", "4x4 %", "bias %",
+                                                       "energy %", "FLIP", "flicker"}};
         const bool scatters = result.reference->scattered.has_value();
         if (scatters) rows[0].insert(rows[0].end(), {"S: L1 %", "RMSE %"});
         for (const RungResult& rung : result.rungs) {
@@ -308,6 +284,7 @@ std::string bench_text(const BenchResult& result) {
         if (scatters) rows[0].insert(rows[0].end(), {"S: L1 5 %", "2 %", "1 %"});
         text += "\n" + aligned(rows);
     }
+    text += claims_text(result.claims);
     std::size_t verdicts = 0, counts[3] = {};
     for (const HardCase& hard : result.hard_cases) {
         for (const CaseVerdict& verdict : hard.verdicts) {

@@ -23,11 +23,12 @@ constexpr int kWidth = 8, kHeight = 4;
 /// What a frame of the made-up clip shows.
 struct Shown {
     float light = 1;             ///< E, and R, G, B
-    float variance = 0;          ///< of E's channels
+    float variance = 0;          ///< of E's channels; below 0: there is no such layer
     int columns = kWidth;        ///< so many are covered, from the left
     float scattered = 0;         ///< S, in all columns; 0: there is no such layer
     float scattered_right = -1;  ///< S in the right half, where it is another
     float scattered_variance = 0;
+    float light_right = -1;  ///< E in the right half, where it is another
 };
 
 image::Image picture_of(const Shown& shown) {
@@ -45,8 +46,11 @@ image::Image picture_of(const Shown& shown) {
     add("covered", in_columns(1));
     for (const char* c : {"R", "G", "B"}) {
         add(c, in_columns(shown.light));
-        add(std::string("E.") + c, in_columns(shown.light));
-        add(std::string("E.variance.") + c, in_columns(shown.variance));
+        add(std::string("E.") + c, [&](int x, int) {
+            if (x >= shown.columns) return 0.0f;
+            return shown.light_right >= 0 && x >= kWidth / 2 ? shown.light_right : shown.light;
+        });
+        if (shown.variance >= 0) add(std::string("E.variance.") + c, in_columns(shown.variance));
     }
     if (shown.scattered > 0) {
         for (const char* c : {"R", "G", "B"}) {
@@ -157,6 +161,25 @@ TEST_F(ErrorJudgeTest, ScatteredLightIsOfAllPixelsAndHasANoiseOfItsOwn) {
     EXPECT_EQ(errors.compared, 1);
     EXPECT_TRUE(has_layer(run, 1, kScatteredLayer));
     EXPECT_FALSE(has_layer(clip("clear", {{}}), 1, kScatteredLayer));
+}
+
+TEST_F(ErrorJudgeTest, TellsContrastDarkPixelsAndTheLargestDifference) {
+    const ErrorJudge judge = judge_by({{.light = 1, .light_right = 3}});
+    const ClipErrors even = judge.judge(clip("even", {{.light = 2}})).errors;
+    EXPECT_EQ(even.detail, 0);
+    EXPECT_EQ(even.dark, 0);
+    EXPECT_NEAR(even.largest, 0.5, 1e-6);
+    const ClipErrors half = judge.judge(clip("half", {{.light = 0, .light_right = 1}})).errors;
+    EXPECT_NEAR(half.detail, 0.5, 1e-6);
+    EXPECT_EQ(half.dark, 0.5);
+    EXPECT_NEAR(half.largest, 1, 1e-6);
+    EXPECT_EQ(judge_by({{}}).judge(clip("level", {{}})).errors.detail, 1) << "there is none in either";
+}
+
+TEST_F(ErrorJudgeTest, AReferenceWithoutAVarianceHasNoNoiseThatIsKnown) {
+    const ErrorJudge judge = judge_by({{.light = 1, .variance = -1}});
+    EXPECT_FALSE(judge.noise().rmse);
+    EXPECT_NEAR(judge.judge(clip("far", {{.light = 1.25f}})).errors.rmse_less_noise, 0.25, 1e-6);
 }
 
 /// A reference whose S is 1, with hardly any noise, and a verdict on runs by it.
