@@ -9,7 +9,6 @@
 #include <random>
 #include <vector>
 
-#include "methods/sliced_beams/exponential.h"
 #include "methods/sliced_beams/polygon.h"
 
 namespace dapple {

@@ -105,14 +105,6 @@ struct LandedChunk {
 };
 
 template <class Real>
-inline Lanes<Real> square_root(Lanes<Real> x) {
-    if constexpr (sizeof(Real) == 4)
-        return reinterpret_cast<Lanes<Real>>(_mm256_sqrt_ps(reinterpret_cast<__m256>(x)));
-    else
-        return reinterpret_cast<Lanes<Real>>(_mm256_sqrt_pd(reinterpret_cast<__m256d>(x)));
-}
-
-template <class Real>
 inline void land(const ClusterRays<Real>& rays, int chunk, const LandingFrame<Real>& frame,
                  LandedChunk<Real>& landed) {
     using L = Lanes<Real>;

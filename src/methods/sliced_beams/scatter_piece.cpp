@@ -3,7 +3,6 @@
 #include <cmath>
 #include <limits>
 
-#include "methods/sliced_beams/exponential.h"
 #include "methods/sliced_beams/scatter_query.h"
 #include "methods/sliced_beams/segment_quadrature.h"
 

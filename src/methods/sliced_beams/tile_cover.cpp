@@ -3,7 +3,6 @@
 #include <cmath>
 #include <limits>
 
-#include "methods/sliced_beams/exponential.h"
 #include "methods/sliced_beams/tile.h"
 
 namespace dapple::methods::sliced_beams {
