@@ -11,21 +11,23 @@ float value(vec3 c, float t) {
     return v;
 }
 
-// The area between two moving places and the origin. Products are rounded by themselves: only so does swapping the
-// places change nothing but the sign.
-vec3 beside(Place p, Place q) {
-    precise float c0 = p.at.x * q.at.y - q.at.x * p.at.y;
-    precise float c1 = (p.moves.x * q.at.y - q.at.x * p.moves.y) + (p.at.x * q.moves.y - q.moves.x * p.at.y);
-    precise float c2 = p.moves.x * q.moves.y - q.moves.x * p.moves.y;
+// Twice the area between the origin, a moving place, and the place that a moving step leads to from there. By the step,
+// as the product of two places loses the digits of the small areas of beams about a focus.
+vec3 beside(Place p, Place to) {
+    precise float c0 = fma(p.at.x, to.at.y, -(p.at.y * to.at.x));
+    precise float half_c1 = fma(p.at.x, to.moves.y, -(p.at.y * to.moves.x));
+    precise float c1 = fma(p.moves.x, to.at.y, fma(-p.moves.y, to.at.x, half_c1));
+    precise float c2 = fma(p.moves.x, to.moves.y, -(p.moves.y * to.moves.x));
     return vec3(c0, c1, c2);
 }
 
-// The same; a segment in the edge's own plane counts as moved by an infinitely small step along (1, e), so that one of
-// the edge's two beams holds it (Edelsbrunner & Muecke 1990).
+// Beside the edge from p to q, in exactly this order. A segment in the edge's own plane counts as moved by an
+// infinitely small step along (1, e), so that one of the edge's two beams holds it (Edelsbrunner & Muecke 1990).
 vec3 beside_edge(Place p, Place q) {
-    vec3 c = beside(p, q);
+    precise vec2 at = q.at - p.at, moves = q.moves - p.moves;
+    vec3 c = beside(p, Place(at, moves));
     if (c == vec3(0.0)) {
-        precise vec2 along = q.at - p.at + (q.moves - p.moves);
+        precise vec2 along = at + moves;
         c.x = along.y < 0.0 || (along.y == 0.0 && along.x > 0.0) ? 1e-37 : -1e-37;
     }
     return c;

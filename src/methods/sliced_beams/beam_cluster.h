@@ -100,7 +100,7 @@ void ClusterSlices<Real>::find(const Cluster& cluster, const BeamCorner<Real>* c
     for (int e = 0; e < cluster.edges; ++e) {
         const int i = cluster.edge[e].from, j = cluster.edge[e].to;
         Quadratic<Real>& q = edge_[e];
-        q = beside(x0[i], y0[i], x1[i], y1[i], x0[j], y0[j], x1[j], y1[j]);
+        q = beside(x0[i], y0[i], x1[i], y1[i], x0[i] - x0[j], y0[j] - y0[i], x1[i] - x1[j], y1[j] - y1[i]);
         if (any(wanted & (q.c0 == 0))) perturb(e, x0, y0, x1, y1);
         const L even = q.c0 + q.c2;
         const Mask<Real> first = even - q.c1 > 0, last = even + q.c1 > 0;

@@ -1,6 +1,8 @@
 #pragma once
 #include <limits>
+#include <tuple>
 #include <type_traits>
+#include <utility>
 
 #include "methods/sliced_beams/landing.h"
 #include "methods/sliced_beams/lanes.h"
@@ -47,15 +49,18 @@ inline void place(const BeamCorner<Real>& corner, const SegmentParts<Real>& part
     y1 = multiply_add(part.half_depth, slope_b, -part.half_b);
 }
 
-/// The area between two moving places and the origin. Products are rounded by themselves: only so does
-/// swapping the places change nothing but the sign.
+/// Twice the area of the triangle between the origin, a moving place (x, y) and the place that a moving step
+/// leads to from there, which is given turned by a quarter: (v, minus_u). By the step, as a product of two
+/// places loses the digits of the small areas about a focus, where beams are narrow beside their distance
+/// from the segment's middle, and the edges of a beam no longer agree on where it is.
 template <class L>
-inline auto beside(const L& x0, const L& y0, const L& x1, const L& y1, const L& u0, const L& v0, const L& u1,
-                   const L& v1) {
-    const auto cross = [](const L& x, const L& y, const L& u, const L& v) { return x * v - u * y; };
+inline auto beside(const L& x0, const L& y0, const L& x1, const L& y1, const L& minus_u0, const L& v0,
+                   const L& minus_u1, const L& v1) {
     using Real = std::remove_cvref_t<decltype(x0[0])>;
-    return Quadratic<Real>{cross(x0, y0, u0, v0), cross(x1, y1, u0, v0) + cross(x0, y0, u1, v1),
-                           cross(x1, y1, u1, v1)};
+    const L first = multiply_add(x0, v1, y0 * minus_u1);
+    return Quadratic<Real>{multiply_add(x0, v0, y0 * minus_u0),
+                           multiply_add(x1, v0, multiply_add(y1, minus_u0, first)),
+                           multiply_add(x1, v1, y1 * minus_u1)};
 }
 
 /// A segment in an edge's own plane counts as moved by an infinitely small step along (1, e), so that one of
@@ -84,7 +89,14 @@ inline Quadratic<Real> beam_area(const BeamCorner<Real>& corner, const BeamCorne
         x1[k] = part.half_depth * slope_a;
         y1[k] = part.half_depth * slope_b;
     }
-    return beside(x0[0], y0[0], x1[0], y1[0], x0[1], y0[1], x1[1], y1[1]);
+    return beside(x0[0], y0[0], x1[0], y1[0], -x0[1], y0[1], -x1[1], y1[1]);
+}
+
+/// Which way an edge runs, for both of its beams alike: only so do they get the same numbers for it.
+template <class Real>
+inline bool in_order(const BeamCorner<Real>& from, const BeamCorner<Real>& to) {
+    return std::tie(from.a, from.b, from.slope_a, from.slope_b) <=
+           std::tie(to.a, to.b, to.slope_a, to.slope_b);
 }
 
 /// Beams that share an edge get the same numbers for it but for the sign, so that a segment leaves the one
@@ -95,11 +107,14 @@ inline BeamSlices<Real> slices(const BeamCorner<Real> (&corner)[3], const Segmen
     for (int k = 0; k < 3; ++k) place(corner[k], part, x0[k], y0[k], x1[k], y1[k]);
     BeamSlices<Real> result;
     for (int k = 0; k < 3; ++k) {
-        const int i = (k + 1) % 3, j = (k + 2) % 3;
+        int i = (k + 1) % 3, j = (k + 2) % 3;
+        const bool turned = !in_order(corner[i], corner[j]);
+        if (turned) std::swap(i, j);
         Quadratic<Real>& edge = result.edge[k];
-        edge = beside(x0[i], y0[i], x1[i], y1[i], x0[j], y0[j], x1[j], y1[j]);
+        edge = beside(x0[i], y0[i], x1[i], y1[i], x0[i] - x0[j], y0[j] - y0[i], x1[i] - x1[j], y1[j] - y1[i]);
         if (any(edge.c0 == 0))
             edge.c0 = off_edge<Real>(edge, x0[j] - x0[i] + (x1[j] - x1[i]), y0[j] - y0[i] + (y1[j] - y1[i]));
+        if (turned) edge = {-edge.c0, -edge.c1, -edge.c2};
     }
     result.area = beam_area(corner[0], corner[1], corner[2], part);
     return result;
