@@ -1,4 +1,4 @@
-// One photon's splat, written by the host and read by photon_splatting/splat*.vert. Positions and vectors are
+// One photon's splat, written by the host (eight at once: methods/photon_splatting/splat_builder.cpp counts on the order) and read by photon_splatting/splat*.vert. Positions and vectors are
 // relative to the frame's origin.
 #ifndef DAPPLE_LAYOUT_SPLAT
 #define DAPPLE_LAYOUT_SPLAT
@@ -7,7 +7,8 @@ LAYOUT_BEGIN
 
 struct Splat {
     vec3 position;    // m, where the beam lands
-    float tolerance;  // m, receivers farther off the tangent plane are not lit
+    float tolerance;  // m, receivers farther off the tangent plane are not lit; negative for light in the
+                      // air, which lights none in the water: its magnitude counts
     vec3 axis_a;      // 1/m: dot(axis_a, x - position) is the kernel's first coordinate, in [-1, 1] on its
                       // support;
     float box_a;  //      perpendicular to the beam. Half-width of the box that widens the tent, in [0, 1),
@@ -15,7 +16,6 @@ struct Splat {
     vec3 axis_b;  // 1/m, the second coordinate
     float box_b;
     vec3 irradiance;  // W/m^2 for a kernel value of 1
-    float in_water;   // 1: lights receivers in the water, 0: in the air
     vec3 normal;      // unit, of the tangent plane, towards the side that the light arrives from
     vec2 center;      // pixels, middle of the parallelogram center +- edge_a +- edge_b that the splat covers;
     vec2 edge_a;      // pixels; (half width, 0)

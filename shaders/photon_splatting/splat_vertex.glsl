@@ -7,15 +7,15 @@ layout(scalar, push_constant) uniform Push { SplatPush push; };
 layout(location = 0) flat out vec4 position_tolerance;
 layout(location = 1) flat out vec4 axis_a;  // and half-width of the box
 layout(location = 2) flat out vec4 axis_b;
-layout(location = 3) flat out vec4 irradiance;  // and medium
+layout(location = 3) flat out vec4 irradiance;  // and medium: 1 in the water, 0 in the air
 layout(location = 4) flat out vec3 normal;
 layout(location = 5) flat out vec3 facing;  // dot with a receiver's normal: its cosine over the tangent plane's
 
 void send_splat(Splat splat) {
-    position_tolerance = vec4(splat.position, splat.tolerance);
+    position_tolerance = vec4(splat.position, abs(splat.tolerance));
     axis_a = vec4(splat.axis_a, splat.box_a);
     axis_b = vec4(splat.axis_b, splat.box_b);
-    irradiance = vec4(splat.irradiance, splat.in_water);
+    irradiance = vec4(splat.irradiance, splat.tolerance < 0.0 ? 0.0 : 1.0);
     normal = splat.normal;
     // Both axes are perpendicular to the beam; the sign of their product cancels.
     vec3 beam = cross(splat.axis_a, splat.axis_b);

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "base/large_vector.h"
 #include "scene/frame_state.h"
 
 namespace dapple::light {
@@ -37,30 +38,45 @@ struct BeamMesh {
     /// Whether the rays travel through the water after the event.
     bool in_water() const { return from_below == (event == Event::reflection); }
     glm::dvec3 axis{0, -1,
-                    0};    ///< unit, the mesh's mean direction of travel; dot(direction, axis) > 0.1 for all
-    int rows = 0;          ///< along z
-    int columns = 0;       ///< along x
-    glm::vec2 cell{0, 0};  ///< m along x and z: the rays' spacing where the light crosses the rest plane
-    std::vector<glm::vec3> origin;  ///< m, relative to FrameScene::origin
-    std::vector<glm::vec3> slope;   ///< m a m of depth
-    std::vector<float> start;       ///< m, depth along the axis where the ray leaves the water surface
+                    0};  ///< unit, the mesh's mean direction of travel; dot(direction, axis) > 0.1 for all
+    int rows = 0;        ///< along z, but in the light's frame
+    int columns = 0;     ///< along x, but there
+    /// m along x and z, where the light crosses the rest plane: from a ray to the next along columns, along
+    /// rows.
+    glm::mat2 texel{0};
+    LargeVector<glm::vec3> origin;  ///< m, relative to FrameScene::origin
+    LargeVector<glm::vec3> slope;   ///< m a m of depth
+    LargeVector<float> start;       ///< m, depth along the axis where the ray leaves the water surface
     /// Flux of the vertex's cell of the caustic map, after Fresnel, of a light of unit irradiance (sun: m^2)
     /// or unit intensity (point, spot: sr); times the light's colour it is W.
-    std::vector<float> flux;
+    LargeVector<float> flux;
     /// Share of the light at the vertex that this mesh carries, in [0, 1], the others of its cascades the
     /// rest: over cascades the tents of `weight` on their lattices sum to one. `flux` has it already; what
     /// needs the density of rays alone does not look at it. Empty: 1 everywhere.
-    std::vector<float> weight;
+    LargeVector<float> weight;
     /// Mean of a spot's picture over the vertex's cell, a channel, which times `flux` is what the vertex
     /// carries; empty without a picture.
-    std::vector<glm::vec3> tint;
-    /// 1 where there is a ray; differences between neighbours mean something only between two such. Elsewhere
-    /// origin and slope are finite and flux is 0. A shadowed ray is one, of flux 0.
-    std::vector<std::uint8_t> valid;
+    LargeVector<glm::vec3> tint;
+    /// 1 where there is a ray, kShadowed where an object keeps the light off it, flux being 0; differences
+    /// between neighbours mean something between any two such. 0 elsewhere: origin and slope are finite and
+    /// flux is 0.
+    LargeVector<std::uint8_t> valid;
+    /// m, relative to FrameScene::origin: where rays that a mirror has sent on left the water. Theirs start
+    /// at the mirror, and `tint` has what is left of the light there. Empty: the rays start on the water.
+    std::vector<glm::vec3> water_point;
+    bool mirrored() const { return !water_point.empty(); }
     /// Flux that met the water but fits no mesh (directions outside the cone about the axis), same unit as
     /// `flux`, of the light's own mean colour where it has a picture.
     double lost_flux = 0;
+    static constexpr std::uint8_t kShadowed = 2;
     std::size_t vertices() const { return origin.size(); }
+    /// Whether the light is on the ray, though this mesh may carry none of it there: another one of the
+    /// cascades does.
+    bool lit(std::size_t i) const {
+        return flux[i] > 0 || (!weight.empty() && weight[i] == 0 && valid[i] == 1);
+    }
+    /// m, from a ray to its farther neighbour on the rest plane.
+    float longest_step() const { return glm::max(glm::length(texel[0]), glm::length(texel[1])); }
 };
 
 }  // namespace dapple::light

@@ -62,6 +62,11 @@ double held_center(double wanted, double extent_center, double extent_size, doub
     return room > 0 ? std::clamp(wanted, extent_center - room, extent_center + room) : extent_center;
 }
 
+/// Whether photons of the innermost cascade are to lie no farther apart than was asked for.
+bool by_precision(const scene::CausticMapParameters& parameters) {
+    return parameters.map_precision > 0 && parameters.cascade_maps.empty();
+}
+
 /// Gives the boxes their sizes and the texels their ratios; returns what the outermost texel should measure.
 double set_sizes(const scene::FrameState& state, const scene::CausticMapParameters& parameters,
                  CascadeLayout& layout) {
@@ -83,7 +88,8 @@ double set_sizes(const scene::FrameState& state, const scene::CausticMapParamete
         layout.boxes[c].ratio = std::max<std::int64_t>(1, std::llround(spacing(c + 1) / texel));
         texel *= static_cast<double>(layout.boxes[c].ratio);
     }
-    return parameters.inner_size > 0 ? texel : spacing(layout.boxes.size() - 1);
+    // A size or a spacing of the innermost that was asked for leads; else that of the outermost does.
+    return parameters.inner_size > 0 || by_precision(parameters) ? texel : spacing(layout.boxes.size() - 1);
 }
 
 }  // namespace
@@ -146,7 +152,10 @@ CascadeLayout lay_out_cascades(const scene::FrameState& state,
     const glm::dvec2 about = cascade_center(state, parameters);
     for (int axis = 0; axis < 2; ++axis) {
         const double most = kMostPlaces / static_cast<double>(layout.multiple(0));
-        const std::int64_t across = std::llround(std::clamp(extent.size[axis] / wanted, 1.0, most));
+        const double texels = std::clamp(extent.size[axis] / wanted, 1.0, most);
+        const std::int64_t across = by_precision(parameters)
+                                        ? static_cast<std::int64_t>(std::ceil(texels * (1 - 1e-12)))
+                                        : std::llround(texels);
         const double outermost = extent.size[axis] / static_cast<double>(across);
         layout.extent_texels[axis] = across;
         layout.margin[axis] = first * outermost;

@@ -119,10 +119,9 @@ MapTexels count_texels(const scene::FrameState& state, const scene::CausticMapPa
         texels.all += side_x * side_z;
         texels.photons += side_x * side_z - hole;
     };
-    double size = inner_box_size(state, parameters);
     if (parameters.paper_faithful) {
-        for (int c = 0; c < parameters.cascades; ++c, size *= parameters.cascade_scale) {
-            const double side = cascade_resolution(parameters, static_cast<std::size_t>(c), size);
+        for (int c = 0; c < parameters.cascades; ++c) {
+            const double side = paper_side(state, parameters, static_cast<std::size_t>(c));
             // Equation 6 in whole texels, and the texels of the hole that are neighbours of the ring.
             const double hole = c == 0 ? 0 : std::max(0.0, side / parameters.cascade_scale - 3);
             add(side, side, hole * hole);

@@ -90,6 +90,11 @@ BeamRaysPush rays_push(const scene::FrameScene& scene, const MapPlan& plan, cons
     return push;
 }
 
+/// Whether rays are traced from all texels.
+bool whole(const MapPlan& plan) {
+    return plan.parts.size() == 1 && plan.parts[0].columns == plan.columns && plan.parts[0].rows == plan.rows;
+}
+
 BeamMesh empty_mesh(const scene::FrameScene& scene, const MapPlan& plan, int light_index, Event event) {
     const scene::Light& light = scene.state.lights[static_cast<std::size_t>(light_index)];
     BeamMesh mesh;
@@ -102,14 +107,21 @@ BeamMesh empty_mesh(const scene::FrameScene& scene, const MapPlan& plan, int lig
     mesh.axis = mesh_axis(light, plan.from_below, event, scene.state.water->refractive_index);
     mesh.rows = plan.rows;
     mesh.columns = plan.columns;
-    mesh.cell = glm::vec2(plan.cell());
+    mesh.texel = glm::mat2(plan.texel);
     const std::size_t vertices = static_cast<std::size_t>(plan.rows) * static_cast<std::size_t>(plan.columns);
     mesh.origin.resize(vertices);
-    mesh.slope.resize(vertices, glm::vec3(mesh.axis));  // finite where no ray is traced
+    mesh.slope.resize(vertices);
     mesh.start.resize(vertices);
     mesh.flux.resize(vertices);
     mesh.valid.resize(vertices);
     if (plan.weighted()) mesh.weight.resize(vertices);
+    if (whole(plan)) return mesh;  // all of it will be written
+    std::fill(mesh.origin.begin(), mesh.origin.end(), glm::vec3(0));
+    std::fill(mesh.slope.begin(), mesh.slope.end(), glm::vec3(mesh.axis));  // finite where no ray is traced
+    std::fill(mesh.start.begin(), mesh.start.end(), 0.0f);
+    std::fill(mesh.flux.begin(), mesh.flux.end(), 0.0f);
+    std::fill(mesh.valid.begin(), mesh.valid.end(), std::uint8_t{0});
+    std::fill(mesh.weight.begin(), mesh.weight.end(), 0.0f);
     return mesh;
 }
 
@@ -149,44 +161,46 @@ private:
 /// light.
 std::size_t take_rays(std::span<const BeamRay> rays, const MapPlan& plan, const TexelBox& box,
                       const MapTint& tint, BeamMesh& mesh) {
-    constexpr std::size_t kTile = 1 << 14;
     struct Sum {
         double lost = 0;
         std::size_t photons = 0;
     };
-    const std::size_t columns = static_cast<std::size_t>(box.columns);
-    std::vector<Sum> tiles(rays.size() / kTile + 1);
-    parallel_for(rays.size(), kTile, [&](std::size_t begin, std::size_t end) {
+    const std::size_t columns = static_cast<std::size_t>(box.columns),
+                      rows = static_cast<std::size_t>(box.rows);
+    const std::size_t tile = std::max<std::size_t>(1, (1 << 14) / columns);  // rows
+    std::vector<Sum> tiles(rows / tile + 1);
+    parallel_for(rows, tile, [&](std::size_t begin, std::size_t end) {
         Sum sum;
-        for (std::size_t i = begin; i < end; ++i) {
-            const BeamRay& ray = rays[i];
-            const int column = box.first_column + static_cast<int>(i % columns),
-                      row = box.first_row + static_cast<int>(i / columns);
-            const std::size_t vertex =
-                static_cast<std::size_t>(row) * static_cast<std::size_t>(plan.columns) +
-                static_cast<std::size_t>(column);
-            mesh.origin[vertex] = ray.origin;
-            mesh.slope[vertex] = ray.slope;
-            mesh.start[vertex] = ray.start;
-            mesh.flux[vertex] = std::max(0.0f, ray.flux);
-            mesh.valid[vertex] = ray.flux >= 0 ? 1 : 0;
-            double lost = static_cast<double>(ray.lost);
-            if (plan.weighted()) {
-                const double share = plan.share(column, row);
-                mesh.weight[vertex] = static_cast<float>(share);
-                mesh.flux[vertex] *= mesh.weight[vertex];
-                lost *= share;
+        for (std::size_t i = begin * columns; i < end * columns;) {
+            const int row = box.first_row + static_cast<int>(i / columns);
+            std::size_t vertex = static_cast<std::size_t>(row) * static_cast<std::size_t>(plan.columns) +
+                                 static_cast<std::size_t>(box.first_column);
+            for (int column = box.first_column; column < box.first_column + box.columns;
+                 ++column, ++vertex, ++i) {
+                const BeamRay& ray = rays[i];
+                mesh.origin[vertex] = ray.origin;
+                mesh.slope[vertex] = ray.slope;
+                mesh.start[vertex] = ray.start;
+                mesh.flux[vertex] = std::max(0.0f, ray.flux);
+                mesh.valid[vertex] = ray.flux >= 0 ? 1 : 0;
+                double lost = static_cast<double>(ray.lost);
+                if (plan.weighted()) {
+                    const double share = plan.share(column, row);
+                    mesh.weight[vertex] = static_cast<float>(share);
+                    mesh.flux[vertex] *= mesh.weight[vertex];
+                    lost *= share;
+                }
+                if (tint.exists() && (ray.flux > 0 || ray.lost > 0)) {
+                    const glm::vec3 let_through = tint.of(vertex);
+                    mesh.tint[vertex] = let_through;
+                    if (let_through == glm::vec3(0)) mesh.flux[vertex] = 0;
+                    lost *= tint.share_of(let_through);
+                }
+                sum.lost += lost;
+                sum.photons += mesh.flux[vertex] > 0 ? 1 : 0;
             }
-            if (tint.exists() && (ray.flux > 0 || ray.lost > 0)) {
-                const glm::vec3 let_through = tint.of(vertex);
-                mesh.tint[vertex] = let_through;
-                if (let_through == glm::vec3(0)) mesh.flux[vertex] = 0;
-                lost *= tint.share_of(let_through);
-            }
-            sum.lost += lost;
-            sum.photons += mesh.flux[vertex] > 0 ? 1 : 0;
         }
-        tiles[begin / kTile] = sum;
+        tiles[begin / tile] = sum;
     });
     std::size_t photons = 0;
     for (const Sum& sum : tiles) {
@@ -259,7 +273,7 @@ struct CausticMapper::State {
         return map;
     }
 
-    /// Fills the mesh from the parts of the map, each in batches of rows that fit a storage binding.
+    /// Fills the mesh from the parts of the map, each in batches of rows that the processor's cache holds.
     void trace_mesh(const scene::FrameScene& scene, const MapPlan& plan, const gpu::Image& map,
                     BeamMesh& mesh, FrameStats& stats) {
         BeamRaysPush push =
@@ -269,11 +283,9 @@ struct CausticMapper::State {
         std::size_t photons = 0;
         for (const TexelBox& part : plan.parts) {
             const std::size_t columns = static_cast<std::size_t>(part.columns);
-            const std::size_t most =
-                std::max<std::size_t>(1, device.largest_storage_range() / (columns * sizeof(BeamRay)));
+            const std::size_t most = std::max<std::size_t>(1, kRayBatchBytes / (columns * sizeof(BeamRay)));
             const int batch = static_cast<int>(std::min(static_cast<std::size_t>(part.rows), most));
-            gpu::Buffer buffer(device, "beam rays",
-                               static_cast<std::size_t>(batch) * columns * sizeof(BeamRay));
+            gpu::Buffer& buffer = ray_buffer(static_cast<std::size_t>(batch) * columns * sizeof(BeamRay));
             TexelBox box = part;
             for (int row = 0; row < part.rows; row += batch) {
                 box.first_row = part.first_row + row;
@@ -290,6 +302,7 @@ struct CausticMapper::State {
                                {(push.columns + kGroupColumns - 1) / kGroupColumns,
                                 (push.rows + kGroupRows - 1) / kGroupRows, 1});
                 passes.run(stats);
+                const ScopedPass pass(stats, "refraction");
                 photons +=
                     take_rays(buffer.as<const BeamRay>().first(push.rows * columns), plan, box, tint, mesh);
             }
@@ -298,9 +311,16 @@ struct CausticMapper::State {
         stats.count("photons", static_cast<double>(photons));
     }
 
+    /// One for all batches, of at least that size: fresh memory costs more than all that is done with a ray.
+    gpu::Buffer& ray_buffer(std::size_t bytes) {
+        if (!rays || rays->bytes() < bytes) rays.emplace(device, "beam rays", bytes);
+        return *rays;
+    }
+
     gpu::Device& device;
     gpu::RasterPipeline raster;
     gpu::ComputePipeline compute;
+    std::optional<gpu::Buffer> rays;
 };
 
 CausticMapper::CausticMapper(gpu::Device& device) : state_(std::make_unique<State>(device)) {}

@@ -1,4 +1,5 @@
 #pragma once
+#include <cstddef>
 #include <functional>
 #include <memory>
 #include <span>
@@ -12,6 +13,9 @@
 #include "scene/frame_scene.h"
 
 namespace dapple::light {
+
+/// Bytes of the rays that are on the device at once, but for wider maps, of which it is a row.
+inline constexpr std::size_t kRayBatchBytes = std::size_t{8} << 20;
 
 /// The light-view raster of the water (Kougianos & Moustakas 2021, section 3: caustic map) and the beam
 /// meshes made from it on the device. Map coordinates are the rest plane y = 0, onto which the light projects

@@ -1,6 +1,7 @@
 #pragma once
 #include <algorithm>
 #include <cstddef>
+#include <utility>
 
 namespace dapple::light {
 
@@ -12,6 +13,12 @@ public:
         : rows_(static_cast<std::size_t>(rows)), columns_(static_cast<std::size_t>(columns)) {}
     std::size_t bands() const { return (rows_ + kSide - 1) / kSide; }
     std::size_t band_size() const { return kSide * columns_; }  ///< vertices, at most
+
+    /// Of a band's vertices, the first and the one after the last.
+    std::pair<std::ptrdiff_t, std::ptrdiff_t> band_range(std::size_t band) const {
+        const std::size_t top = band * kSide, bottom = std::min(rows_, top + kSide);
+        return {static_cast<std::ptrdiff_t>(top * columns_), static_cast<std::ptrdiff_t>(bottom * columns_)};
+    }
 
     /// `visit(index)` for each vertex of the band.
     template <class Visit>

@@ -1,5 +1,6 @@
 #include "light/landing.h"
 
+#include <algorithm>
 #include <limits>
 #include <numeric>
 
@@ -10,8 +11,8 @@ namespace dapple::light {
 
 Landings land(const BeamMesh& mesh, const rays::RayScene& rays) {
     Landings landings;
-    landings.depth.assign(mesh.vertices(), std::numeric_limits<float>::infinity());
-    landings.normal.assign(mesh.vertices(), glm::vec3(0, 1, 0));
+    landings.depth.resize(mesh.vertices());
+    landings.normal.resize(mesh.vertices());
     const GridBlocks blocks(mesh.rows, mesh.columns);
     std::vector<std::size_t> landed(blocks.bands(), 0);
     parallel_for(blocks.bands(), 1, [&](std::size_t begin, std::size_t end) {
@@ -23,8 +24,11 @@ Landings land(const BeamMesh& mesh, const rays::RayScene& rays) {
         for (std::size_t band = begin; band < end; ++band) {
             beams.clear();
             vertex.clear();
+            const auto [first, last] = blocks.band_range(band);
+            std::fill_n(landings.depth.begin() + first, last - first, std::numeric_limits<float>::infinity());
+            std::fill_n(landings.normal.begin() + first, last - first, glm::vec3(0, 1, 0));
             blocks.visit_band(band, [&](std::size_t i) {
-                if (!(mesh.flux[i] > 0)) return;
+                if (!mesh.lit(i)) return;
                 rays::Ray ray;
                 // From the surface: depths before it may be negative, distances not.
                 ray.origin = mesh.origin[i] + mesh.start[i] * mesh.slope[i];
@@ -39,7 +43,7 @@ Landings land(const BeamMesh& mesh, const rays::RayScene& rays) {
                 const glm::vec3 normal = glm::normalize(hits[k].normal);
                 landings.depth[vertex[k]] = mesh.start[vertex[k]] + hits[k].distance;
                 landings.normal[vertex[k]] = glm::dot(normal, beams[k].direction) < 0 ? normal : -normal;
-                ++landed[band];
+                landed[band] += mesh.flux[vertex[k]] > 0 ? 1 : 0;
             }
         }
     });

@@ -46,8 +46,7 @@ std::size_t shadow_meshes(std::span<BeamMesh> meshes, const scene::FrameScene& s
             way.clear();
             vertex.clear();
             blocks.visit_band(band, [&](std::size_t i) {
-                if (std::none_of(meshes.begin(), meshes.end(),
-                                 [i](const BeamMesh& m) { return m.flux[i] > 0; }))
+                if (std::none_of(meshes.begin(), meshes.end(), [i](const BeamMesh& m) { return m.lit(i); }))
                     return;
                 way.push_back(ray_to_light(scene, light, first.origin[i] + first.start[i] * first.slope[i]));
                 vertex.push_back(i);
@@ -56,8 +55,13 @@ std::size_t shadow_meshes(std::span<BeamMesh> meshes, const scene::FrameScene& s
             rays.occluded_by_objects(way, occluded);
             for (std::size_t k = 0; k < vertex.size(); ++k) {
                 if (!occluded[k]) continue;
-                for (BeamMesh& mesh : meshes) mesh.flux[vertex[k]] = 0;
-                ++shadowed[band];
+                bool carried = false;
+                for (BeamMesh& mesh : meshes) {
+                    carried = carried || mesh.flux[vertex[k]] > 0;
+                    mesh.flux[vertex[k]] = 0;
+                    if (mesh.valid[vertex[k]] != 0) mesh.valid[vertex[k]] = BeamMesh::kShadowed;
+                }
+                shadowed[band] += carried ? 1 : 0;
             }
         }
     });

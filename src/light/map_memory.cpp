@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "layout/caustic_map.h"
 #include "light/beam_mesh.h"
 #include "light/cascade_plan.h"
+#include "light/caustic_map.h"
 #include "ocean/water_surface.h"
 
 namespace dapple::light {
@@ -52,7 +52,7 @@ MapMemory foresee_maps(const scene::FrameState& state) {
     constexpr double kVector = sizeof(glm::vec3), kFloat = sizeof(float);
     const double vertex =
         2 * kVector + 2 * kFloat + 1 + (map.cascades > 1 ? kFloat : 0) + (pictures ? kVector : 0);
-    constexpr double kColor = 4 * kFloat, kDepth = kFloat, kRay = sizeof(layout::BeamRay);
+    constexpr double kColor = 4 * kFloat, kDepth = kFloat;
     double water = 0;
     if (state.water->surface.type != scene::WaterSurfaceType::mesh_sequence) {
         const ocean::MeshCounts counts = ocean::mesh_counts(*state.water);
@@ -64,7 +64,8 @@ MapMemory foresee_maps(const scene::FrameState& state) {
     MapMemory memory;
     memory.events = events_seen(state);
     const double meshes = memory.events * vertex;
-    memory.tracing = water + texels.largest * (kColor + std::max(kDepth, kRay + meshes));
+    memory.tracing =
+        water + static_cast<double>(kRayBatchBytes) + texels.largest * (kColor + std::max(kDepth, meshes));
     memory.meshes = water + texels.largest * meshes;
     memory.largest = texels.largest;
     memory.photons = texels.photons * memory.events * static_cast<double>(state.lights.size());

@@ -36,7 +36,7 @@ double MapPlan::share(int column, int row) const {
 void check_map_size(std::int64_t columns, std::int64_t rows) {
     constexpr std::int64_t kMost = 1 << 16;
     if (columns > kMost || rows > kMost)
-        throw Error(ExitCode::device,
+        throw Error(ExitCode::timeline_invalid,
                     "a caustic map of " + std::to_string(columns) + " x " + std::to_string(rows) +
                         " texels cannot be made; take fewer photons a side or more cascades");
 }
@@ -78,12 +78,14 @@ MapPlan plan_map(const scene::FrameScene& scene, int light_index, double resolut
     if (!plan.lit) return plan;
     const double size = std::max(extent.size.x, extent.size.y) / resolution;
     const glm::dvec2 inner = glm::max(glm::dvec2(1), glm::round(extent.size / size));
+    check_map_size(std::llround(inner.x), std::llround(inner.y));
     const glm::dvec2 texel = extent.size / inner, thrown = thrown_off(plan, scene);
     const glm::ivec2 border(border_texels(thrown.x, texel.x, inner.x, plan.capped),
                             border_texels(thrown.y, texel.y, inner.y, plan.capped));
     plan.texel = glm::dmat2(texel.x, 0, 0, texel.y);
     plan.columns = static_cast<int>(inner.x) + 2 * border.x;
     plan.rows = static_cast<int>(inner.y) + 2 * border.y;
+    check_map_size(plan.columns, plan.rows);
     plan.anchor = extent.center - 0.5 * extent.size - glm::dvec2(border) * texel;
     plan.parts = {{0, 0, plan.columns, plan.rows}};
     return plan;

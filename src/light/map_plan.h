@@ -50,7 +50,6 @@ struct MapPlan {
 
     glm::dvec2 corner() const { return anchor + texel * glm::dvec2(first); }  ///< m, of texel (0, 0)
     double texel_area() const { return std::abs(glm::determinant(texel)); }   ///< m^2
-    glm::dvec2 cell() const { return {glm::length(texel[0]), glm::length(texel[1])}; }  ///< m
     /// Columns and rows, of which whole numbers are corners of texels, of a point of the rest plane.
     glm::dvec2 texel_of(glm::dvec2 point) const { return glm::inverse(texel) * (point - corner()); }
     bool weighted() const { return !shares.outer_x.empty(); }
@@ -68,7 +67,7 @@ glm::dvec2 thrown_off(const MapPlan& plan, const scene::FrameScene& scene);
 /// FrameScene::water.
 MapPlan plan_map(const scene::FrameScene& scene, int light, double resolution);
 
-/// Throws Error(device) for maps larger than any device takes, before anything is made for them.
+/// Throws Error(timeline_invalid) for maps larger than any device takes, before anything is made for them.
 void check_map_size(std::int64_t columns, std::int64_t rows);
 
 /// Texels of a border that holds `thrown` m, at most half of `inner`, else `capped`.

@@ -40,6 +40,15 @@ int paper_resolution(double range, double precision) {
     return 2048;
 }
 
+int paper_side(const scene::FrameState& state, const scene::CausticMapParameters& parameters,
+               std::size_t cascade) {
+    const double inner = inner_box_size(state, parameters);
+    if (parameters.map_precision > 0 && parameters.cascade_maps.empty())
+        return paper_resolution(inner, parameters.map_precision);
+    const double width = inner * std::pow(parameters.cascade_scale, static_cast<double>(cascade));
+    return static_cast<int>(cascade_resolution(parameters, cascade, width));
+}
+
 int paper_frame(int resolution, double scale) {
     return static_cast<int>(std::lround(0.5 * resolution * (1 - 1 / scale)));
 }
@@ -55,11 +64,7 @@ std::vector<MapPlan> plan_paper_cascades(const scene::FrameScene& scene, int lig
         // texel, whose area grows so. (Its ray's intensity, equation 12, lacks the area of a texel of level
         // 0.)
         const double width = inner * std::pow(parameters.cascade_scale, c);
-        const std::size_t cascade = static_cast<std::size_t>(c);
-        const bool by_precision = parameters.map_precision > 0 && parameters.cascade_maps.empty();
-        const int resolution = by_precision
-                                   ? paper_resolution(inner, parameters.map_precision)
-                                   : static_cast<int>(cascade_resolution(parameters, cascade, width));
+        const int resolution = paper_side(scene.state, parameters, static_cast<std::size_t>(c));
         check_map_size(resolution, resolution);
         MapPlan plan = projection;
         plan.cascade = c;

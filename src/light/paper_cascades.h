@@ -13,6 +13,10 @@ namespace dapple::light {
 std::vector<MapPlan> plan_paper_cascades(const scene::FrameScene& scene, int light,
                                          const scene::CausticMapParameters& parameters);
 
+/// Photons along each side of the map of a cascade.
+int paper_side(const scene::FrameState& state, const scene::CausticMapParameters& parameters,
+               std::size_t cascade);
+
 /// Equation 3: photons along each side of the innermost map that is `range` m wide, for photons at most
 /// `precision` m apart.
 int paper_resolution(double range, double precision);

@@ -17,6 +17,11 @@ public:
     /// `point`; both m, relative to FrameScene::origin.
     glm::vec3 of(glm::vec3 surface, glm::vec3 point, float way) const;
 
+    /// Whether nothing but the water lies on the ways: then only their lengths in it count, each channel's
+    /// share being e^(-extinction length).
+    bool only_water() const { return !bounded_; }
+    glm::vec3 extinction() const { return extinction_; }  ///< 1/m, of the water
+
 private:
     const media::Media& media_;
     glm::vec3 extinction_, light_position_;

@@ -3,13 +3,17 @@
 #include <embree3/rtcore.h>
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
+#include <cstring>
 #include <mutex>
 #include <string>
 #include <vector>
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/transpose.h"
 #include "rays/shape_mesh.h"
 #include "rays/sphere.h"
 #include "rays/water_grid.h"
@@ -53,31 +57,47 @@ bool traceable(const Ray& ray) {
            ray.direction != glm::vec3(0);
 }
 
+using lanes::Lanes;
+using lanes::Mask;
+
+constexpr std::size_t kPacket = lanes::kLanes<float>;
+static_assert(sizeof(Ray) == kPacket * sizeof(float) && sizeof(Hit) == kPacket * sizeof(float));
+
 /// Embree takes components of a direction nearer to 0 than 1e-18 for +1e-18, but in packets of coherent rays
 /// goes by the sign that they had: negative ones would miss what they hit.
-float not_tiny(float component) {
-    return std::abs(component) < 1e-17f ? 0.0f : component;
+Lanes<float> not_tiny(Lanes<float> component) {
+    return lanes::magnitude(component) < 1e-17f ? Lanes<float>{} : component;
 }
-
-constexpr std::size_t kPacket = 8;
 
 /// Lanes of one packet; those past the end of the rays, and rays that mean nothing, are switched off.
 struct Packet {
     alignas(32) int valid[kPacket];
 
     Packet(std::span<const Ray> rays, RTCRay8& packet) {
+        std::array<Lanes<float>, kPacket> rows;
+        static const Ray kNone{glm::vec3(0), 0, glm::vec3(0), 0};  // without a direction
+        for (std::size_t i = 0; i < kPacket; ++i)
+            rows[i] = std::bit_cast<Lanes<float>>(i < rays.size() ? rays[i] : kNone);
+        lanes::transpose(rows);
+        const auto& [x, y, z, near, dx, dy, dz, far] = rows;
+        // As `traceable`.
+        const Lanes<float> zero =
+            x * 0.0f + y * 0.0f + z * 0.0f + dx * 0.0f + dy * 0.0f + dz * 0.0f + near * 0.0f;
+        const Mask<float> on = (zero == 0.0f) & (near <= far) & ((dx != 0.0f) | (dy != 0.0f) | (dz != 0.0f));
+        std::memcpy(valid, &on, sizeof valid);
+        const auto store = [&on](float* to, Lanes<float> value, float off) {
+            const Lanes<float> kept = on ? value : lanes::splat(off);
+            std::memcpy(to, &kept, sizeof kept);
+        };
+        store(packet.org_x, x, 0);
+        store(packet.org_y, y, 0);
+        store(packet.org_z, z, 0);
+        store(packet.dir_x, not_tiny(dx), 0);
+        store(packet.dir_y, not_tiny(dy), 1);
+        store(packet.dir_z, not_tiny(dz), 0);
+        store(packet.tnear, near, 0);
+        store(packet.tfar, far, 0);
         for (std::size_t i = 0; i < kPacket; ++i) {
-            const bool on = i < rays.size() && traceable(rays[i]);
-            valid[i] = on ? -1 : 0;
-            const Ray ray = on ? rays[i] : Ray{glm::vec3(0), 0, glm::vec3(0, 1, 0), 0};
-            packet.org_x[i] = ray.origin.x;
-            packet.org_y[i] = ray.origin.y;
-            packet.org_z[i] = ray.origin.z;
-            packet.dir_x[i] = not_tiny(ray.direction.x);
-            packet.dir_y[i] = not_tiny(ray.direction.y);
-            packet.dir_z[i] = not_tiny(ray.direction.z);
-            packet.tnear[i] = ray.near;
-            packet.tfar[i] = ray.far;
             packet.time[i] = 0;
             packet.mask[i] = ~0u;
             packet.id[i] = static_cast<unsigned>(i);
@@ -93,6 +113,29 @@ RTCIntersectContext coherent_context() {
     return context;
 }
 
+void take(const RTCRayHit8& packet, std::span<Hit> hits) {
+    const auto load = [](const auto* eight) {
+        Lanes<float> value;
+        std::memcpy(&value, eight, sizeof value);
+        return value;
+    };
+    const Lanes<float> object = load(packet.hit.geomID);
+    const Mask<float> hit = reinterpret_cast<Mask<float>>(object) != -1;          // RTC_INVALID_GEOMETRY_ID
+    const Lanes<float> none = reinterpret_cast<Lanes<float>>(Mask<float>{} - 1);  // kNoHit
+    // In the order of the members of Hit.
+    std::array<Lanes<float>, kPacket> rows = {
+        hit ? load(packet.ray.tfar) : lanes::splat(std::numeric_limits<float>::infinity()),
+        object,
+        hit ? load(packet.hit.primID) : none,
+        hit ? load(packet.hit.u) : Lanes<float>{},
+        hit ? load(packet.hit.v) : Lanes<float>{},
+        hit ? load(packet.hit.Ng_x) : Lanes<float>{},
+        hit ? load(packet.hit.Ng_y) : lanes::splat(1.0f),
+        hit ? load(packet.hit.Ng_z) : Lanes<float>{}};
+    lanes::transpose(rows);
+    for (std::size_t i = 0; i < hits.size(); ++i) hits[i] = std::bit_cast<Hit>(rows[i]);
+}
+
 void intersect(RTCScene scene, std::span<const Ray> rays, std::span<Hit> hits) {
     RTCIntersectContext context = coherent_context();
     for (std::size_t first = 0; first < rays.size(); first += kPacket) {
@@ -102,16 +145,7 @@ void intersect(RTCScene scene, std::span<const Ray> rays, std::span<Hit> hits) {
         std::fill_n(packet.hit.geomID, kPacket, RTC_INVALID_GEOMETRY_ID);
         std::fill_n(packet.hit.instID[0], kPacket, RTC_INVALID_GEOMETRY_ID);
         rtcIntersect8(lanes.valid, scene, &context, &packet);
-        for (std::size_t i = 0; i < count; ++i) {
-            Hit& hit = hits[first + i];
-            hit = Hit{};
-            if (packet.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
-            hit.distance = packet.ray.tfar[i];
-            hit.object = packet.hit.geomID[i];
-            hit.primitive = packet.hit.primID[i];
-            hit.barycentric = {packet.hit.u[i], packet.hit.v[i]};
-            hit.normal = {packet.hit.Ng_x[i], packet.hit.Ng_y[i], packet.hit.Ng_z[i]};
-        }
+        take(packet, hits.subspan(first, count));
     }
 }
 
@@ -133,6 +167,7 @@ struct RayScene::State {
     Owned<RTCScene> objects;
     Owned<RTCScene> water;
     std::optional<WaterGrid> grid;  // where the water's geometry is one
+    bool any_mirrored = false;
     bool has_objects = false;
     bool has_water = false;
     struct Bounds {
@@ -195,6 +230,7 @@ struct RayScene::State {
                        unsigned id) {
         const glm::dmat4 matrix = scene::relative_from_object(object.transform, origin);
         mirrored[id] = object.shape != scene::Shape::sphere && determinant(glm::dmat3(matrix)) < 0;
+        any_mirrored = any_mirrored || mirrored[id];
         switch (object.shape) {
             case scene::Shape::plane:
                 attach_triangles(objects.get(), plane_mesh(object.size), matrix, id);
@@ -282,6 +318,7 @@ void RayScene::intersect_objects(std::span<const Ray> rays, std::span<Hit> hits)
         return;
     }
     intersect(state_->objects.get(), rays, hits);
+    if (!state_->any_mirrored) return;
     for (Hit& hit : hits.first(rays.size())) {
         if (hit.primitive != kNoHit && state_->mirrored[hit.object]) hit.normal = -hit.normal;
     }

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <numeric>
 
@@ -10,6 +11,7 @@
 #include "light/cascade_layout.h"
 #include "light/cascade_plan.h"
 #include "light/caustic_map.h"
+#include "light/landing.h"
 #include "light/map_memory.h"
 #include "light/paper_cascades.h"
 #include "light/water_grids.h"
@@ -327,6 +329,14 @@ TEST(Cascades, TakeWhatTheyAreGiven) {
     EXPECT_EQ(plan_cascades(sea_scene({4, 4}, {1e6, 1e6}), 0, parameters(4, 2, 64)).size(), 4u);
     // Absurd sizes end in a sentence, before memory is asked for.
     EXPECT_THROW(plan_cascades(scene, 0, parameters(2, 2, 2147483647)), Error);
+    for (const int cascades : {1, 2}) {  // what the timeline asks for, whatever the device
+        try {
+            plan_cascades(scene, 0, parameters(cascades, 2, 70000));
+            FAIL() << cascades;
+        } catch (const Error& error) {
+            EXPECT_EQ(error.code(), ExitCode::timeline_invalid);
+        }
+    }
     map = parameters(8, 16, 2147483647, 1e-9);
     map.paper_faithful = true;
     EXPECT_THROW(plan_cascades(scene, 0, map), Error);
@@ -354,6 +364,53 @@ TEST(Cascades, PrecisionGivesTheInnermostTexel) {
     EXPECT_EQ(light::paper_resolution(511, 2), 256);
     EXPECT_EQ(light::paper_resolution(512, 2), 512);
     EXPECT_EQ(light::paper_resolution(2047, 2), 1024);
+}
+
+TEST(Cascades, PhotonsLieNoFartherApartThanThePrecision) {
+    for (const double scale : {1.5, 2.0, 2.5, 3.0})
+        for (const int cascades : {2, 3, 4})
+            for (const double inner : {0.0, 1.7}) {
+                scene::CausticMapParameters map = parameters(cascades, scale, 7, inner);
+                map.map_precision = 0.03;
+                const MapPlan plan = plan_cascades(sea_scene({8.03, 5.37}, {1, -2}, true), 0, map)[0];
+                for (const double texel : {plan.texel[0].x, plan.texel[1].y}) {
+                    EXPECT_LE(texel, 0.03 * (1 + 1e-9)) << scale << ", N " << cascades << ", " << inner;
+                    EXPECT_GT(texel, 0.025) << scale << ", N " << cascades << ", " << inner;
+                }
+            }
+}
+
+TEST(PaperCascades, OfAPrecisionAreForeseenAsTheyAreMade) {
+    scene::CausticMapParameters map = parameters(3, 2, 7, 2);
+    map.map_precision = 0.01;  // 200 photons, so 256
+    map.paper_faithful = true;
+    const scene::FrameScene scene = sea_scene({8, 8}, {1, -2}, true);
+    EXPECT_EQ(light::count_texels(scene.state, map).largest, 256.0 * 256.0);
+    EXPECT_EQ(plan_cascades(scene, 0, map)[2].columns, 256);
+}
+
+TEST(Landing, OfRaysWhoseLightOtherCascadesCarryIsKnown) {
+    scene::FrameScene scene = sea_scene({4, 4}, {0, 0}, true);
+    scene::Object floor;
+    floor.size = {10, 1, 10};
+    floor.transform.position = {0, -1, 0};
+    scene.state.objects = {floor};
+    const rays::RayScene rays(scene);
+    BeamMesh mesh;
+    mesh.rows = 1;
+    mesh.columns = 3;
+    mesh.axis = {0, -1, 0};
+    mesh.origin.assign(3, glm::vec3(0.1f, 0, 0.2f));
+    mesh.slope.assign(3, glm::vec3(0, -1, 0));
+    mesh.start.assign(3, 0.0f);
+    mesh.flux = {1, 0, 0};
+    mesh.weight = {1, 0, 0};
+    mesh.valid = {1, 1, BeamMesh::kShadowed};
+    const light::Landings landings = light::land(mesh, rays);
+    EXPECT_EQ(landings.count, 1u);
+    EXPECT_NEAR(landings.depth[0], 1, 1e-6f);
+    EXPECT_EQ(landings.depth[1], landings.depth[0]);  // a neighbour of what carries light
+    EXPECT_TRUE(std::isinf(landings.depth[2]));
 }
 
 TEST(PaperCascades, AreSquaresAcrossTheLightAboutTheCamera) {

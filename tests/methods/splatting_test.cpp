@@ -3,6 +3,9 @@
 #include <numeric>
 
 #include "light/caustic_map.h"
+#include "light/landing.h"
+#include "methods/photon_splatting/splat_builder.h"
+#include "methods/photon_splatting/splat_renderer.h"
 #include "methods/splat_scene.h"
 
 namespace dapple {
@@ -247,6 +250,75 @@ TEST(PhotonSplatting, ASceneWithoutChainsIsDark) {
     const auto results = splat(scene, {}, {&layer, 1}, stats);
     for (const glm::vec3& e : results[0].irradiance) EXPECT_EQ(e, glm::vec3(0));
     EXPECT_EQ(results[0].covered[0], 1);
+}
+
+TEST(SplatRenderer, DrawsTheSameFromBuffersOfAnySize) {
+    scene::FrameScene scene = flat_pool(20, 60);
+    test::add_water(scene, test::gentle_sea(), 60, 60);
+    look_down(scene, 32, 2);
+    const rays::RayScene rays(scene);
+    const media::Media media(scene);
+    const methods::SplatStyle style;
+    FrameStats stats;
+    light::CausticMapper mapper(test::validated_device());
+    const light::BeamMesh mesh =
+        mapper.trace(scene, rays, 0, {light::Event::transmission}, scene.state.caustics.map, stats)[0];
+    const light::Landings landings = light::land(mesh, rays);
+    const std::vector<view::ReceiverLayer> layers = {receivers_on_level(scene, -1.5)};
+    std::vector<std::vector<glm::vec3>> found;
+    std::size_t splats = 0;
+    // A band of eight rows of this map has some hundred splats.
+    for (const std::size_t largest : {std::size_t{1} << 20, 37 * sizeof(layout::Splat)}) {
+        methods::SplatRenderer renderer(test::validated_device(), largest);
+        methods::build_splats(scene, media, mesh, landings, style, 64,
+                              [&](const methods::Splats& some) { renderer.add(some); });
+        std::vector<methods::LayerResult> results(1);
+        renderer.render(scene, style, layers, results, stats);
+        found.push_back(results[0].irradiance);
+        splats = renderer.points() + renderer.quads();
+    }
+    EXPECT_GT(splats, 200u);
+    EXPECT_EQ(found[0], found[1]);
+    EXPECT_GT(found[0][500].g, 0);
+}
+
+TEST(PhotonSplatting, NamesTheLightOfFootprintsWithoutArea) {
+    // All rays meet in one point of the floor, in floats too.
+    scene::FrameScene scene = flat_pool(0, 8);
+    scene.origin = {0, 0, 0};
+    scene.state.water->absorption = scene.state.water->scattering = {0, 0, 0};
+    scene.state.caustics.photon_splatting.footprint = scene::PhotonFootprint::photon_difference;
+    look_down(scene, 8, 2);
+    light::BeamMesh mesh;
+    mesh.rows = mesh.columns = 4;
+    mesh.texel = glm::mat2(0.25f);
+    for (int i = 0; i < 16; ++i) {
+        const glm::vec3 off(static_cast<float>(i % 4), 0, static_cast<float>(i / 4));
+        mesh.origin.push_back(0.25f * off);
+        mesh.slope.push_back(glm::vec3(0, -1, 0) - 0.125f * off);
+    }
+    mesh.start.assign(16, 0.0f);
+    mesh.flux.assign(16, 0.5f);
+    mesh.valid.assign(16, 1);
+    light::Landings landings;
+    landings.depth.assign(16, 2.0f);
+    landings.normal.assign(16, glm::vec3(0, 1, 0));
+    for (const bool paper : {false, true}) {
+        scene.state.caustics.map.paper_faithful = paper;
+        double lost = 0;
+        std::size_t splats = 0;
+        methods::build_splats(scene, media::Media(scene), mesh, landings,
+                              methods::splat_style(scene.state.caustics), 64,
+                              [&](const methods::Splats& some) {
+                                  lost += some.lost;
+                                  for (const auto& band : some.points) splats += band.size();
+                                  for (const auto& band : some.quads) splats += band.size();
+                              });
+        const glm::dvec3 light = scene.state.lights[0].irradiance;
+        // By default such footprints are a pixel wide.
+        EXPECT_NEAR(lost, paper ? 16 * 0.5 * (light.r + light.g + light.b) / 3 : 0, 1e-5);
+        EXPECT_EQ(splats > 0, !paper);
+    }
 }
 
 }  // namespace

@@ -28,8 +28,8 @@ CellImage CellImages::about(const Corners& corners, float share) const {
     glm::vec3 beam(0);
     for (const MeshRay& ray : corners) beam += ray.slope;
     image.cell.beam = glm::normalize(beam);
-    const glm::vec2 cell = mesh_.mesh().cell;
-    image.cell.spacing = std::sqrt(share) * std::min(cell.x, cell.y);
+    const glm::mat2 texel = mesh_.mesh().texel;
+    image.cell.spacing = std::sqrt(share) * std::min(glm::length(texel[0]), glm::length(texel[1]));
     return image;
 }
 

@@ -56,7 +56,7 @@ LandedMesh::LandedMesh(const scene::FrameScene& scene, const media::Media& media
       columns_(static_cast<std::size_t>(mesh.columns)),
       areas_(mesh.vertices(), 0),
       near_edge_(mesh.vertices(), 0),
-      farthest_(kFarthestNeighbor * std::max(mesh.cell.x, mesh.cell.y)) {
+      farthest_(kFarthestNeighbor * mesh.longest_step()) {
     const scene::Light& light = scene.state.lights[static_cast<std::size_t>(mesh.light)];
     const bool sun = light.type == scene::LightType::sun;
     shadowed_ = light::may_shadow(scene, rays, light);
@@ -120,7 +120,8 @@ bool LandedMesh::connected(const MeshRay& a, const MeshRay& b) const {
 }
 
 MeshRay LandedMesh::beside(const MeshRay& ray, float columns, float rows) const {
-    const glm::vec3 across(columns * mesh_.cell.x, 0, rows * mesh_.cell.y);
+    const glm::vec2 step = mesh_.texel * glm::vec2(columns, rows);
+    const glm::vec3 across(step.x, 0, step.y);
     const float along = glm::dot(across, glm::vec3(mesh_.axis));
     MeshRay result = ray;
     result.origin += across - along * ray.slope;

@@ -3,25 +3,28 @@
 namespace dapple::methods {
 namespace {
 
-Footprint differences(const PhotonGrid& grid, const PhotonHit& hit, bool forward) {
-    Footprint footprint;
-    const bool columns = grid.step(hit, GridAxis::columns, forward, footprint.first);
-    const bool rows = grid.step(hit, GridAxis::rows, forward, footprint.second);
-    footprint.without_neighbors = !columns || !rows;
-    return footprint;
+Footprints differences(const PhotonGrid& grid, const Photons& photons, const PhotonHits& hits, bool forward) {
+    const GridSteps columns = grid.step(photons, hits, GridAxis::columns, forward),
+                    rows = grid.step(photons, hits, GridAxis::rows, forward);
+    Footprints footprints;
+    footprints.first = columns.on_plane;
+    footprints.second = rows.on_plane;
+    footprints.without_neighbors = ~(columns.any & rows.any);
+    return footprints;
 }
 
 }  // namespace
 
 /// Photon difference scattering (Ouyang and Yang 2020): the neighbours' own rays, taken to the tangent plane
 /// of the photon's landing point, so what the neighbours hit does not matter.
-Footprint difference_footprint(const PhotonGrid& grid, const PhotonHit& hit) {
-    return differences(grid, hit, false);
+Footprints difference_footprint(const PhotonGrid& grid, const Photons& photons, const PhotonHits& hits) {
+    return differences(grid, photons, hits, false);
 }
 
 /// By the rays of the next column and row.
-Footprint paper_difference_footprint(const PhotonGrid& grid, const PhotonHit& hit) {
-    return differences(grid, hit, true);
+Footprints paper_difference_footprint(const PhotonGrid& grid, const Photons& photons,
+                                      const PhotonHits& hits) {
+    return differences(grid, photons, hits, true);
 }
 
 }  // namespace dapple::methods

@@ -1,78 +1,83 @@
-#include <array>
-#include <cmath>
-
 #include "methods/photon_splatting/foreshortened_quad.h"
-#include "optics/optics.h"
 
 namespace dapple::methods {
 namespace {
 
-/// Derivatives by the place on the grid of where the light meets the water, and of the water's normal there.
-bool surface_differential(const PhotonGrid& grid, std::size_t i, GridAxis axis, glm::vec3& dx,
-                          glm::vec3& dn) {
-    const Neighbors near = grid.neighbors(i, axis);
-    const std::size_t from = near.has_before ? near.before : i, to = near.has_after ? near.after : i;
-    const float steps = static_cast<float>((from != i ? 1 : 0) + (to != i ? 1 : 0));
-    dx = (grid.surface_point(to) - grid.surface_point(from)) / steps;
-    dn = (grid.normal(to) - grid.normal(from)) / steps;
-    return near.any();
+/// Derivatives by the place on the grid of where the light meets the water, of the water's normal there, and
+/// of that of the mirror which sends it on, if one does.
+struct SurfaceDifferentials {
+    Vectors3 dx, dn, mirror_turn;
+};
+
+SurfaceDifferentials surface_differentials(const PhotonGrid& grid, const Photons& photons, GridAxis axis) {
+    const Photons::Beside &before = photons.before(axis), &after = photons.after(axis);
+    const Floats steps = all(0.0f) - __builtin_convertvector(before.connected + after.connected, Floats);
+    const auto between = [&](const auto& of) {
+        const Vectors3 own = of(photons.own);
+        return (1.0f / steps) *
+               (choose(after.connected, of(after.ray), own) - choose(before.connected, of(before.ray), own));
+    };
+    SurfaceDifferentials surface;
+    surface.dx = between([](const RayLanes& rays) { return rays.water; });
+    surface.dn = between([&](const RayLanes& rays) { return grid.normal(rays); });
+    if (grid.mesh().mirrored())
+        surface.mirror_turn = between([&](const RayLanes& rays) { return grid.mirror_normal(rays); });
+    return surface;
 }
 
-float triangle_area(glm::vec3 a, glm::vec3 b, glm::vec3 c) {
-    return 0.5f * glm::length(glm::cross(b - a, c - a));
+Floats triangle_area(Vectors3 a, Vectors3 b, Vectors3 c) {
+    const Vectors3 twice = cross(b - a, c - a);
+    return 0.5f * lanes::square_root<float>(dot(twice, twice));
 }
 
 }  // namespace
 
 /// Photon differentials (Schjoth et al. 2007; Kougianos and Moustakas 2021, equations 8 to 10): the
 /// derivatives of position and direction that the water's curvature gives the ray, carried to the plane.
-Footprint differential_footprint(const PhotonGrid& grid, const PhotonHit& hit) {
-    const std::size_t i = hit.photon;
-    const glm::vec3 incident = grid.incident(i), normal = grid.normal(i);
-    const bool reflection = grid.mesh().event == light::Event::reflection;
-    const auto side = [&](GridAxis axis, glm::vec3& result) {
-        glm::vec3 dx, dn;
-        if (surface_differential(grid, i, axis, dx, dn)) {
-            const glm::vec3 turned = grid.sun() ? glm::vec3(0)
-                                                : optics::f32::normalized_differential(
-                                                      grid.surface_point(i) - grid.light_position(), dx);
-            const glm::vec3 spread =
-                reflection ? optics::f32::reflected_differential(incident, normal, turned, dn)
-                           : optics::f32::refracted_differential(incident, normal, grid.eta(), turned, dn);
-            result = optics::f32::transferred_differential(dx, spread, hit.beam, hit.way, hit.normal);
-            if (std::isfinite(glm::dot(result, result))) return true;  // not so at the critical angle
-        }
-        result = grid.parallel_step(hit, axis);
-        return false;
+Footprints differential_footprint(const PhotonGrid& grid, const Photons& photons, const PhotonHits& hits) {
+    const auto side = [&](GridAxis axis, Vectors3& result) {
+        const SurfaceDifferentials surface = surface_differentials(grid, photons, axis);
+        Flags found = photons.before(axis).connected | photons.after(axis).connected;
+        const Vectors3 turned = grid.turned(photons, surface.dx, found);
+        const Vectors3 spread = grid.spread(photons, turned, surface.dn, found);
+        const Vectors3 step = grid.carried(photons, hits, {surface.dx, spread, surface.mirror_turn}, found);
+        found &= finite(dot(step, step));  // not so at the critical angle
+        result = choose(found, step, grid.parallel_step(photons, hits, axis));
+        return found;
     };
-    Footprint footprint;
-    const bool columns = side(GridAxis::columns, footprint.first);
-    const bool rows = side(GridAxis::rows, footprint.second);
-    footprint.without_neighbors = !columns || !rows;
-    return footprint;
+    Footprints footprints;
+    const Flags columns = side(GridAxis::columns, footprints.first);
+    const Flags rows = side(GridAxis::rows, footprints.second);
+    footprints.without_neighbors = ~(columns & rows);
+    return footprints;
 }
 
 /// Kougianos and Moustakas 2021, equation 11 and algorithm 2 (which shows reflection only): the rays of the
 /// next column and row at the photon's own distance, whose triangle gives the area of a square.
-Footprint paper_differential_footprint(const PhotonGrid& grid, const PhotonHit& hit) {
-    const light::BeamMesh& mesh = grid.mesh();
-    const std::size_t i = hit.photon;
-    const Neighbors right = grid.neighbors(i, GridAxis::columns), up = grid.neighbors(i, GridAxis::rows);
-    float compression = 1;  // sigma^2, A' / A
-    const bool alone = !right.any() || !up.any();
-    if (!alone) {
-        const std::array<std::size_t, 3> corners = {i, right.has_after ? right.after : right.before,
-                                                    up.has_after ? up.after : up.before};
-        std::array<glm::vec3, 3> x, far;
-        for (std::size_t k = 0; k < 3; ++k) {
-            x[k] = grid.surface_point(corners[k]);
-            far[k] = x[k] + hit.way * glm::normalize(mesh.slope[corners[k]]);
-        }
-        compression = triangle_area(far[0], far[1], far[2]) / triangle_area(x[0], x[1], x[2]);
-    }
-    Footprint footprint = foreshortened_quad(hit, compression * grid.cell_across_light(i));
-    footprint.without_neighbors = alone;
-    return footprint;
+Footprints paper_differential_footprint(const PhotonGrid& grid, const Photons& photons,
+                                        const PhotonHits& hits) {
+    struct Corner {
+        Vectors3 water, far;
+    };
+    const auto corner = [&](const RayLanes& ray) {
+        return Corner{ray.surface, ray.surface + hits.way * normalized(ray.slope)};
+    };
+    const auto next = [&](GridAxis axis) {
+        const Corner before = corner(photons.before(axis).ray), after = corner(photons.after(axis).ray);
+        const Flags connected = photons.after(axis).connected;
+        return Corner{choose(connected, after.water, before.water), choose(connected, after.far, before.far)};
+    };
+    const Corner own = corner(photons.own), right = next(GridAxis::columns), up = next(GridAxis::rows);
+    const auto any = [&](GridAxis axis) {
+        return photons.before(axis).connected | photons.after(axis).connected;
+    };
+    const Flags alone = ~(any(GridAxis::columns) & any(GridAxis::rows));
+    const Floats compression = triangle_area(own.far, right.far, up.far) /  // sigma^2, A' / A
+                               triangle_area(own.water, right.water, up.water);
+    Footprints footprints =
+        foreshortened_quad(hits, (alone ? all(1.0f) : compression) * grid.cell_across_light(photons.own));
+    footprints.without_neighbors = alone;
+    return footprints;
 }
 
 }  // namespace dapple::methods

@@ -1,7 +1,5 @@
 #include "methods/photon_splatting/emitter_blur.h"
 
-#include "optics/optics.h"
-
 namespace dapple::methods {
 namespace {
 
@@ -17,25 +15,23 @@ EmitterBlur::EmitterBlur(const scene::FrameScene& scene, const PhotonGrid& grid)
     spread_v_ = glm::vec3(part.spread_v);
 }
 
-glm::mat2 EmitterBlur::covariance(const PhotonHit& hit, glm::vec3 right, glm::vec3 up) const {
-    const std::size_t i = hit.photon;
-    const glm::vec3 way = grid_.surface_point(i) - grid_.light_position();
-    const glm::vec3 incident = grid_.incident(i), normal = grid_.normal(i);
-    const bool reflection = grid_.mesh().event == light::Event::reflection;
-    glm::mat2 sum(0);
+Metric EmitterBlur::inverse_covariance(const Photons& photons, const PhotonHits& hits, Vectors3 right,
+                                       Vectors3 up) const {
+    Metric sum{{}, {}, {}};
     for (const glm::vec3& spread : {spread_u_, spread_v_}) {
-        const glm::vec3 turned = optics::f32::normalized_differential(way, -spread);
-        const glm::vec3 leaving =
-            reflection
-                ? optics::f32::reflected_differential(incident, normal, turned, glm::vec3(0))
-                : optics::f32::refracted_differential(incident, normal, grid_.eta(), turned, glm::vec3(0));
-        const glm::vec3 moved =
-            optics::f32::transferred_differential(glm::vec3(0), leaving, hit.beam, hit.way, hit.normal);
-        const glm::vec2 on_plane(glm::dot(moved, right), glm::dot(moved, up));
-        sum += glm::outerProduct(on_plane, on_plane);
+        const Vectors3 turned = grid_.turned(photons, all(-spread), photons.on);
+        const Vectors3 leaving = grid_.spread(photons, turned, {}, photons.on);
+        const Vectors3 moved = grid_.carried(photons, hits, {{}, leaving, {}}, photons.on);
+        const Floats x = dot(moved, right), y = dot(moved, up);
+        sum.xx += x * x;
+        sum.xy += x * y;
+        sum.yy += y * y;
     }
-    const float trace = sum[0][0] + sum[1][1];
-    return sum + glm::mat2(kLeastRatio * trace + kLeastSpread * hit.way * hit.way);
+    const Floats least = kLeastRatio * (sum.xx + sum.yy) + kLeastSpread * hits.way * hits.way;
+    sum.xx += least;
+    sum.yy += least;
+    const Floats scale = 1.0f / (sum.xx * sum.yy - sum.xy * sum.xy);
+    return {scale * sum.yy, -scale * sum.xy, scale * sum.xx};
 }
 
 }  // namespace dapple::methods

@@ -1,6 +1,7 @@
 #pragma once
 #include <glm/glm.hpp>
 
+#include "methods/photon_splatting/lattice.h"
 #include "methods/photon_splatting/photon_grid.h"
 #include "scene/frame_scene.h"
 
@@ -15,9 +16,10 @@ public:
 
     /// Whether the light is a part of an area light.
     bool any() const { return any_; }
-    /// m^2, on the hit's plane, in coordinates along its unit vectors `right` and `up`; never singular, so
-    /// that it has an inverse.
-    glm::mat2 covariance(const PhotonHit& hit, glm::vec3 right, glm::vec3 up) const;
+    /// Inverses of the covariances, 1/m^2, on the hits' planes, in coordinates along their unit vectors
+    /// `right` and `up`. Covariances are never singular.
+    Metric inverse_covariance(const Photons& photons, const PhotonHits& hits, Vectors3 right,
+                              Vectors3 up) const;
 
 private:
     const PhotonGrid& grid_;

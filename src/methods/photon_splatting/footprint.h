@@ -7,29 +7,30 @@
 
 namespace dapple::methods {
 
-/// Two sides of the parallelogram, on the tangent plane, that a photon lights.
-struct Footprint {
-    glm::vec3 first{0};  ///< m
-    glm::vec3 second{0};
-    float gain = 1;                  ///< times the photon's power
-    bool without_neighbors = false;  ///< where it needed some: it is alone on its sheet of the water
+/// Two sides of the parallelograms, on the tangent planes, that eight photons light.
+struct Footprints {
+    Vectors3 first;  ///< m
+    Vectors3 second;
+    Floats gain = all(1.0f);    ///< times the photon's power
+    Flags without_neighbors{};  ///< where it needed some: it is alone on its sheet of the water
 };
 
 /// One a name, each in a file of its own. They keep flux: what a photon carries does not hang on its
 /// footprint, but for the gain of the last.
-Footprint difference_footprint(const PhotonGrid& grid, const PhotonHit& hit);
-Footprint fixed_footprint(const PhotonGrid& grid, const PhotonHit& hit);
-Footprint differential_footprint(const PhotonGrid& grid, const PhotonHit& hit);
-Footprint point_footprint(const PhotonGrid& grid, const PhotonHit& hit);
+Footprints difference_footprint(const PhotonGrid& grid, const Photons& photons, const PhotonHits& hits);
+Footprints fixed_footprint(const PhotonGrid& grid, const Photons& photons, const PhotonHits& hits);
+Footprints differential_footprint(const PhotonGrid& grid, const Photons& photons, const PhotonHits& hits);
+Footprints point_footprint(const PhotonGrid& grid, const Photons& photons, const PhotonHits& hits);
 // As their papers have them.
-Footprint paper_difference_footprint(const PhotonGrid& grid, const PhotonHit& hit);
-Footprint paper_fixed_footprint(const PhotonGrid& grid, const PhotonHit& hit);
-Footprint paper_differential_footprint(const PhotonGrid& grid, const PhotonHit& hit);
-Footprint paper_point_footprint(const PhotonGrid& grid, const PhotonHit& hit);
+Footprints paper_difference_footprint(const PhotonGrid& grid, const Photons& photons, const PhotonHits& hits);
+Footprints paper_fixed_footprint(const PhotonGrid& grid, const Photons& photons, const PhotonHits& hits);
+Footprints paper_differential_footprint(const PhotonGrid& grid, const Photons& photons,
+                                        const PhotonHits& hits);
+Footprints paper_point_footprint(const PhotonGrid& grid, const Photons& photons, const PhotonHits& hits);
 
 /// What is made of a photon in a method's run.
 struct SplatStyle {
-    Footprint (*footprint)(const PhotonGrid&, const PhotonHit&) = difference_footprint;
+    Footprints (*footprint)(const PhotonGrid&, const Photons&, const PhotonHits&) = difference_footprint;
     KernelStyle kernel;
     /// The footprint is a cell of the photons' lattice, of which a short one is taken: a sliver would fall
     /// between pixels.

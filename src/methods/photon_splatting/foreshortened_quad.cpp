@@ -1,7 +1,5 @@
 #include "methods/photon_splatting/foreshortened_quad.h"
 
-#include <cmath>
-
 namespace dapple::methods {
 namespace {
 
@@ -9,18 +7,19 @@ constexpr float kGrazing = 1e-4f;  // epsilon of equation 19, which is not given
 
 }  // namespace
 
-Footprint foreshortened_quad(const PhotonHit& hit, float area) {
-    const glm::vec3 n = hit.normal;
-    const float cosine = -glm::dot(hit.beam, n);
-    glm::vec3 along = hit.beam + cosine * n;
-    if (!(glm::dot(along, along) > 1e-12f))  // straight on: any direction of the plane
-        along = glm::cross(n, std::abs(n.x) < 0.7f ? glm::vec3(1, 0, 0) : glm::vec3(0, 1, 0));
-    along = glm::normalize(along);
-    const float side = std::sqrt(area);
-    Footprint footprint;
-    footprint.first = (side / (cosine + kGrazing)) * along;
-    footprint.second = side * glm::cross(n, along);
-    return footprint;
+Footprints foreshortened_quad(const PhotonHits& hits, Floats area) {
+    const Vectors3 n = hits.normal;
+    const Floats cosine = -dot(hits.beam, n);
+    const Vectors3 shadow = hits.beam + cosine * n;
+    // Straight on: any direction of the plane.
+    const Vectors3 any =
+        cross(n, choose(lanes::magnitude(n.x) < 0.7f, all(glm::vec3(1, 0, 0)), all(glm::vec3(0, 1, 0))));
+    const Vectors3 along = normalized(choose(dot(shadow, shadow) > 1e-12f, shadow, any));
+    const Floats side = lanes::square_root<float>(area);
+    Footprints footprints;
+    footprints.first = (side / (cosine + kGrazing)) * along;
+    footprints.second = side * cross(n, along);
+    return footprints;
 }
 
 }  // namespace dapple::methods

@@ -8,6 +8,6 @@ namespace dapple::methods {
 /// map times q0^2 sigma^2: the s^c in sigma (equation 11) makes it a cell of the photon's own cascade, and q0
 /// is the footprint's scale. Equations 12 and 20 spread the photon's power over it; as printed R lacks the
 /// cell's area.
-Footprint foreshortened_quad(const PhotonHit& hit, float area);
+Footprints foreshortened_quad(const PhotonHits& hits, Floats area);
 
 }  // namespace dapple::methods

@@ -1,69 +1,89 @@
 #include "methods/photon_splatting/kernel.h"
 
-#include <algorithm>
 #include <cmath>
 
 namespace dapple::methods {
 namespace {
+
+using lanes::greater;
+using lanes::lesser;
+using lanes::magnitude;
 
 constexpr float kSmallestSpacing = 0.01f;  // pixels
 constexpr float kSmallestBox = 0.002f;     // of the support
 
 /// Length in pixels along the nearer axis of the picture: a box of extent 1 sums to the same over rows (or
 /// columns) of pixels wherever it lies, also when it runs obliquely.
-float extent(glm::vec2 vector) {
-    return std::max(std::abs(vector.x), std::abs(vector.y));
+Floats extent(Vectors2 vector) {
+    return greater(magnitude(vector.x), magnitude(vector.y));
 }
 
 /// Makes the half-extents of the kernel of a vector of the lattice, times the style's scale, and its box.
-void widen(glm::vec2& vector, float& box, float pixels, const KernelMetric& metric,
+void widen(Vectors2& vector, Floats& box, Floats pixels, const KernelMetric& metric,
            const KernelStyle& style) {
     const bool tent = style.shape == KernelShape::tent;
     // Both in units of the vector: half-widths of the shape and of the box that it is convolved with.
-    float core = tent ? 1.0f : 0.5f, half = 0;
+    Floats core = all(tent ? 1.0f : 0.5f), half{};
     if (style.widened) {
-        const float across = std::sqrt(std::max(1e-30f, glm::dot(vector, metric.beam_gram * vector)));
-        const float radius = metric.disc_radius / across;
+        const Floats across = greater(all(1e-30f), metric.beam.product(vector, vector));
+        const Floats radius_square = metric.disc_radius * metric.disc_radius / across;
         // Variances along a line: of a box of width w w^2 / 12, of a tent of half-width c c^2 / 6, of a disc
         // of radius R R^2 / 4.
         if (style.scale == std::round(style.scale)) {
-            const float pixel = (tent ? std::clamp(2 - pixels, 0.0f, 1.0f) : 1.0f) / pixels;
-            half = 0.5f * std::sqrt(pixel * pixel + 3 * radius * radius);
+            const Floats share = tent ? lesser(greater(2.0f - pixels, all(0.0f)), all(1.0f)) : all(1.0f);
+            const Floats pixel = share / pixels;
+            half = 0.5f * lanes::square_root<float>(pixel * pixel + 3.0f * radius_square);
         } else {  // only the pixel's own box makes the samples of pixels hold the flux
-            core = std::sqrt(core * core + (tent ? 1.5f : 0.75f) * radius * radius);
+            core = lanes::square_root<float>(core * core + (tent ? 1.5f : 0.75f) * radius_square);
             half = 0.5f / pixels;
         }
     }
     // A box's edge of no width has no profile; of a tent such a box would change less than round-off.
-    if (half < kSmallestBox * (core + half)) half = tent ? 0.0f : core * kSmallestBox / (1 - kSmallestBox);
-    box = half / (core + half);
-    vector *= core + half;
+    const Floats least = tent ? Floats{} : core * (kSmallestBox / (1 - kSmallestBox));
+    half = half < kSmallestBox * (core + half) ? least : half;
+    const Floats whole = core + half;
+    box = half / whole;
+    vector = whole * vector;
 }
 
 }  // namespace
 
-glm::mat2 reduction_metric(const KernelMetric& metric) {
-    const glm::mat2 pixel = glm::transpose(metric.pixel_from_plane) * metric.pixel_from_plane;
-    if (metric.disc_radius == 0) return pixel;
-    // Covariances add: a pixel's box 1/12, the disc's R^2 / 4.
-    const float disc = 3 * metric.disc_radius * metric.disc_radius;
-    return glm::inverse(glm::inverse(pixel) + disc * glm::inverse(metric.beam_gram));
+Metric reduction_metric(const KernelMetric& metric) {
+    const Vectors2 x = metric.pixel_from_first, y = metric.pixel_from_second;
+    const Metric pixel{dot(x, x), dot(x, y), dot(y, y)}, &beam = metric.beam;
+    // Covariances add: a pixel's box 1/12, the disc's R^2 / 4. The inverse of the sum of the inverses of two
+    // symmetric matrices of two rows, A and B, is det(B) A + det(A) B but for its unit.
+    const Floats disc = 3.0f * metric.disc_radius * metric.disc_radius;
+    const Floats of_pixel = beam.xx * beam.yy - beam.xy * beam.xy,
+                 of_beam = disc * (pixel.xx * pixel.yy - pixel.xy * pixel.xy);
+    return {of_pixel * pixel.xx + of_beam * beam.xx, of_pixel * pixel.xy + of_beam * beam.xy,
+            of_pixel * pixel.yy + of_beam * beam.yy};
 }
 
 PlaneKernel widened_kernel(const LatticeBasis& basis, const KernelMetric& metric, const KernelStyle& style) {
-    PlaneKernel kernel{style.scale * basis.first, style.scale * basis.second, 0, 0};
-    glm::vec2 first = metric.pixel_from_plane * kernel.first,
-              second = metric.pixel_from_plane * kernel.second;
+    const Floats scale = all(style.scale);
+    PlaneKernel kernel{scale * basis.first, scale * basis.second, {}, {}};
+    Vectors2 first = metric.pixel(kernel.first), second = metric.pixel(kernel.second);
     if (style.widened) {
-        if (glm::length(second) < kSmallestSpacing) {
-            second = {0, kSmallestSpacing};
-            kernel.second = glm::inverse(metric.pixel_from_plane) * second;
+        constexpr float kSmallestSquare = kSmallestSpacing * kSmallestSpacing;
+        const Floats pixel_area = cross(metric.pixel_from_first, metric.pixel_from_second);
+        const auto on_plane = [&](Vectors2 pixels) {
+            const Vectors2 x = metric.pixel_from_first, y = metric.pixel_from_second;
+            return Vectors2{cross(pixels, y) / pixel_area, cross(x, pixels) / pixel_area};
+        };
+        const Flags no_second = ~(dot(second, second) >= kSmallestSquare);
+        if (lanes::any(no_second)) {
+            second = choose(no_second, {all(0.0f), all(kSmallestSpacing)}, second);
+            kernel.second = choose(no_second, on_plane(second), kernel.second);
         }
-        const float second_length = glm::length(second);
-        const float area = std::abs(first.x * second.y - first.y * second.x);
-        if (!(area > kSmallestSpacing * second_length * 0.01f) || glm::length(first) < kSmallestSpacing) {
-            first = glm::vec2(-second.y, second.x) * (kSmallestSpacing / second_length);
-            kernel.first = glm::inverse(metric.pixel_from_plane) * first;
+        const Floats second_square = dot(second, second), area = cross(first, second);
+        constexpr float kThin = kSmallestSquare * 1e-4f;
+        const Flags no_first =
+            ~(area * area > kThin * second_square) | ~(dot(first, first) >= kSmallestSquare);
+        if (lanes::any(no_first)) {
+            const Vectors2 across = {-second.y, second.x};
+            first = choose(no_first, (kSmallestSpacing * lanes::inverse_root(second_square)) * across, first);
+            kernel.first = choose(no_first, on_plane(first), kernel.first);
         }
     }
     widen(kernel.first, kernel.box_first, extent(first), metric, style);

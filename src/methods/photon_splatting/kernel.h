@@ -7,13 +7,16 @@ namespace dapple::methods {
 
 /// What decides how far a photon's kernel is widened, on the tangent plane of its landing point.
 struct KernelMetric {
-    glm::mat2 pixel_from_plane{1};  ///< pixels a m
-    glm::mat2 beam_gram{1};         ///< squared lengths across the beam of vectors on the plane
-    float disc_radius = 0;          ///< m across the beam, of the image of the sun's disc
+    /// Pixels of vectors of the plane, m.
+    Vectors2 pixel_from_first{all(1.0f), all(0.0f)}, pixel_from_second{all(0.0f), all(1.0f)};
+    Metric beam;           ///< squared lengths across the beam of vectors on the plane
+    Floats disc_radius{};  ///< m across the beam, of the image of the sun's disc
+
+    Vectors2 pixel(Vectors2 v) const { return v.x * pixel_from_first + v.y * pixel_from_second; }
 };
 
-/// The metric in which the lattice is reduced: that of the pixel and the disc together.
-glm::mat2 reduction_metric(const KernelMetric& metric);
+/// The metric in which the lattice is reduced: that of the pixel and the disc together, in any unit.
+Metric reduction_metric(const KernelMetric& metric);
 
 /// What a kernel is before it is widened, on vectors that span a lattice of photons.
 enum class KernelShape {
@@ -30,10 +33,10 @@ struct KernelStyle {
 /// 1, with integral 1 over (a, b). Each profile is a tent or a box convolved with a box. Sums of one and what
 /// is reproduced stay under convolution with anything, so this box may have any width.
 struct PlaneKernel {
-    glm::vec2 first;  ///< m, half-extents of the support
-    glm::vec2 second;
-    float box_first;  ///< half-width of the box, in units of the support; the shape's own is 1 - that
-    float box_second;
+    Vectors2 first;  ///< m, half-extents of the support
+    Vectors2 second;
+    Floats box_first;  ///< half-width of the box, in units of the support; the shape's own is 1 - that
+    Floats box_second;
 };
 
 /// Widens the shape on a lattice basis by a pixel's box, so that the samples of pixels hold all its flux, and

@@ -20,7 +20,8 @@ bool same_face(const light::BeamMesh& mesh, const light::Landings& landings, std
     if (glm::dot(landings.normal[j], landings.normal[k]) < kSmallestNormalCosine) return false;
     const auto point = [&](std::size_t i) { return mesh.origin[i] + landings.depth[i] * mesh.slope[i]; };
     const glm::vec3 step = point(k) - point(j);
-    return std::abs(glm::dot(landings.normal[j], step)) <= kPlaneTolerance * glm::length(step);
+    const float off = glm::dot(landings.normal[j], step);
+    return off * off <= kPlaneTolerance * kPlaneTolerance * glm::dot(step, step);
 }
 
 /// Depth at which ray i meets the plane that its neighbour j landed on. False where i was stopped well
@@ -39,6 +40,25 @@ bool reaches(const light::BeamMesh& mesh, const light::Landings& landings, std::
 }
 
 }  // namespace
+
+Flags on_one_face(const Photons& photons, const PhotonHits& hits, const light::Landings& landings,
+                  std::size_t columns) {
+    Flags even = finite(hits.depth);
+    const std::size_t first = photons.vertex[0];
+    const std::array<std::size_t, 4> from = {first - 1, first + 1, first - columns, first + columns};
+    for (std::size_t side = 0; side < 4; ++side) {
+        const Photons::Beside& beside = photons.beside[side];
+        const Floats depth = load(&landings.depth[from[side]]);
+        const Vectors3 normal = load(&landings.normal[from[side]]);
+        // As in same_face.
+        const Vectors3 step = hits.point - (beside.ray.origin + depth * beside.ray.slope);
+        const Floats off = dot(normal, step);
+        const Flags same = (dot(normal, hits.normal) >= kSmallestNormalCosine) &
+                           (off * off <= kPlaneTolerance * kPlaneTolerance * dot(step, step));
+        even &= ~beside.present | ~finite(depth) | same;
+    }
+    return even;
+}
 
 LandedFaces landed_faces(const light::BeamMesh& mesh, const light::Landings& landings, std::size_t i,
                          bool neighbors) {

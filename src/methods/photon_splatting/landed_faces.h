@@ -5,6 +5,7 @@
 
 #include "light/beam_mesh.h"
 #include "light/landing.h"
+#include "methods/photon_splatting/photon_grid.h"
 
 namespace dapple::methods {
 
@@ -21,6 +22,11 @@ struct LandedFaces {
     std::array<LandedFace, 5> faces;
     std::size_t count = 0;
 };
+
+/// Which of the photons light no face but the one on which they landed, `depth` m along the mesh's axis: none
+/// of their neighbours landed on another. For photons of which PhotonGrid::inner is true.
+Flags on_one_face(const Photons& photons, const PhotonHits& hits, const light::Landings& landings,
+                  std::size_t columns);
 
 /// The faces that photon i lights: that on which it landed and, with `neighbors`, those on which its
 /// neighbours on the grid landed, where its ray may reach them. Neighbours past the edge of a face so take

@@ -1,9 +1,5 @@
 #include "methods/photon_splatting/lattice.h"
 
-#include <algorithm>
-#include <cmath>
-#include <utility>
-
 namespace dapple::methods {
 namespace {
 
@@ -12,53 +8,50 @@ constexpr int kMostSteps = 40;
 // A basis gets a share where the least term (see below) is more than this part of its own.
 constexpr float kSharedFrom = 0.4f;
 
-float product(glm::vec2 a, glm::vec2 b, const glm::mat2& metric) {
-    return glm::dot(a, metric * b);
-}
-
 /// Lagrange's and Gauss's reduction: first is a shortest vector, second a shortest one beside it.
-void shorten(glm::vec2& first, glm::vec2& second, const glm::mat2& metric) {
-    for (int step = 0; step < kMostSteps; ++step) {
-        float short_square = product(first, first, metric);
-        const float long_square = product(second, second, metric);
-        if (long_square < short_square) {
-            std::swap(first, second);
-            short_square = long_square;
-        }
-        if (!(short_square > 0)) return;
-        const float whole = std::round(product(first, second, metric) / short_square);
+void shorten(Vectors2& first, Vectors2& second, const Metric& metric) {
+    Flags going = all(true);
+    for (int step = 0; step < kMostSteps && lanes::any(going); ++step) {
+        const Floats first_square = metric.product(first, first),
+                     second_square = metric.product(second, second);
+        const Flags swap = going & (second_square < first_square);
+        const Vectors2 shorter = choose(swap, second, first);
+        second = choose(swap, first, second);
+        first = shorter;
+        const Floats short_square = lanes::lesser(first_square, second_square);
+        const Floats whole = lanes::rounded(metric.product(first, second) / short_square);
         // A nearly collapsed lattice: the remainder would be round-off only.
-        if (whole == 0 || std::abs(whole) > 1e6f) return;
-        second -= whole * first;
+        going &= (short_square > 0.0f) & (whole != 0.0f) & (lanes::magnitude(whole) <= 1e6f);
+        second = choose(going, second - whole * first, second);
     }
 }
 
 }  // namespace
 
-ReducedLattice reduce_lattice(glm::vec2 first, glm::vec2 second, const glm::mat2& metric) {
+ReducedLattice reduce_lattice(Vectors2 first, Vectors2 second, const Metric& metric) {
     shorten(first, second, metric);
-    if (product(first, second, metric) > 0) second = -second;
+    second = choose(metric.product(first, second) > 0.0f, -second, second);
     // Selling's obtuse superbase: three vectors that sum to zero, no two at less than a right angle. Each two
     // are a basis; the term of a pair is 0 where it is rectangular, and there, where the superbase changes,
     // the other two pairs must have no share.
-    const std::array<glm::vec2, 3> v = {-(first + second), first, second};
-    std::array<float, 3> term{};
+    const std::array<Vectors2, 3> v = {-(first + second), first, second};
+    std::array<Floats, 3> term;
     for (std::size_t k = 0; k < 3; ++k)
-        term[k] = std::max(0.0f, -product(v[(k + 1) % 3], v[(k + 2) % 3], metric));
-    const float least = std::min({term[0], term[1], term[2]});
+        term[k] = lanes::greater(Floats{}, -metric.product(v[(k + 1) % 3], v[(k + 2) % 3]));
+    const Floats least = lanes::lesser(lanes::lesser(term[0], term[1]), term[2]);
     ReducedLattice lattice;
-    lattice.count = 0;
-    float sum = 0;
+    Floats sum{};
     for (std::size_t k = 0; k < 3; ++k) {
-        const float ratio = term[k] > least ? least / term[k] : 1.0f;
-        const float x = (ratio - kSharedFrom) / (1 - kSharedFrom);
-        if (!(x > 0)) continue;
-        LatticeBasis& basis = lattice.bases[static_cast<std::size_t>(lattice.count++)];
-        basis = {v[(k + 1) % 3], v[(k + 2) % 3], x * x * (3 - 2 * x)};
-        sum += basis.weight;
-        if (least == 0) break;  // rectangular or collapsed: the one pair has all
+        const Floats ratio = term[k] > least ? least / term[k] : all(1.0f);
+        const Floats x = (ratio - kSharedFrom) * (1 / (1 - kSharedFrom));
+        // Rectangular or collapsed: the one pair has all.
+        const Flags taken = (least == 0.0f) & (sum > 0.0f);
+        const Floats weight = (x > 0.0f) & ~taken ? x * x * (3.0f - 2.0f * x) : Floats{};
+        lattice[k] = {v[(k + 1) % 3], v[(k + 2) % 3], weight};
+        sum += weight;
     }
-    for (LatticeBasis& basis : lattice.bases) basis.weight /= sum;
+    const Floats inverse = 1.0f / sum;
+    for (LatticeBasis& basis : lattice) basis.weight *= inverse;
     return lattice;
 }
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "optics/optics.h"
+
 namespace dapple::methods {
 namespace {
 
@@ -12,13 +14,24 @@ constexpr float kLeastRelativeCosine = 0.1f;
 // Neighbours further apart on the water, in cells, are on different sheets of it.
 constexpr float kFarthestNeighbor = 4;
 
+/// From the points to where the rays beside them meet the same planes; `meets`: not where those run along the
+/// plane or away from it.
+Vectors3 step_to(const RayLanes& own, const RayLanes& other, const PhotonHits& hits, Flags& meets) {
+    // Differences of the rays come first: the points themselves have lost the digits.
+    const Vectors3 level = (other.origin - own.origin) + hits.depth * (other.slope - own.slope);
+    const Floats own_cosine = dot(hits.normal, own.slope), cosine = dot(hits.normal, other.slope);
+    meets = cosine < kLeastRelativeCosine * own_cosine;  // both are negative
+    return level - (dot(hits.normal, level) / cosine) * other.slope;
+}
+
 }  // namespace
 
 PhotonGrid::PhotonGrid(const scene::FrameScene& scene, const light::BeamMesh& mesh)
     : mesh_(mesh),
       columns_(static_cast<std::size_t>(mesh.columns)),
       rows_(static_cast<std::size_t>(mesh.rows)),
-      farthest_(kFarthestNeighbor * std::max(mesh.cell.x, mesh.cell.y)) {
+      cell_area_(std::abs(glm::determinant(mesh.texel))),
+      farthest_(kFarthestNeighbor * mesh.longest_step()) {
     const scene::Light& light = scene.state.lights[static_cast<std::size_t>(mesh.light)];
     const double n = scene.state.water->refractive_index;
     sun_ = light.type == scene::LightType::sun;
@@ -27,83 +40,196 @@ PhotonGrid::PhotonGrid(const scene::FrameScene& scene, const light::BeamMesh& me
     eta_ = static_cast<float>(mesh.from_below ? n : 1 / n);
 }
 
-glm::vec3 PhotonGrid::incident(std::size_t i) const {
-    return sun_ ? sun_direction_ : glm::normalize(surface_point(i) - light_position_);
+bool PhotonGrid::inner(std::size_t first) const {
+    return first >= columns_ && first + kPhotons + columns_ <= mesh_.vertices();
 }
 
-glm::vec3 PhotonGrid::normal(std::size_t i) const {
-    // Snell's law and the law of reflection in vector form: what changes is along the normal.
-    const glm::vec3 in = incident(i), out = glm::normalize(mesh_.slope[i]);
-    const glm::vec3 turn = mesh_.event == light::Event::reflection ? out - in : out - eta_ * in;
-    const glm::vec3 unit = glm::normalize(turn);
-    return glm::dot(unit, in) < 0 ? unit : -unit;
+RayLanes PhotonGrid::rays_from(std::size_t first) const {
+    RayLanes rays;
+    rays.origin = load(&mesh_.origin[first]);
+    rays.slope = load(&mesh_.slope[first]);
+    rays.start = load(&mesh_.start[first]);
+    rays.surface = rays.origin + rays.start * rays.slope;
+    rays.water = mesh_.mirrored() ? load(&mesh_.water_point[first]) : rays.surface;
+    return rays;
 }
 
-float PhotonGrid::cell_across_light(std::size_t i) const {
-    return mesh_.cell.x * mesh_.cell.y * std::abs(incident(i).y);
-}
-
-PhotonHit PhotonGrid::hit(std::size_t i, float depth, glm::vec3 normal) const {
-    const glm::vec3 slope = mesh_.slope[i];
-    const float steepness = glm::length(slope);
-    return {i,
-            depth,
-            mesh_.origin[i] + depth * slope,
-            normal,
-            slope / steepness,
-            steepness * (depth - mesh_.start[i])};
-}
-
-Neighbors PhotonGrid::neighbors(std::size_t i, GridAxis axis) const {
-    const bool along_row = axis == GridAxis::columns;
-    const std::size_t stride = along_row ? 1 : columns_;
-    const std::size_t place = along_row ? i % columns_ : i / columns_, places = along_row ? columns_ : rows_;
-    const auto same_sheet = [&](std::size_t j) {
-        if (!mesh_.valid[j]) return false;
-        const glm::vec3 apart = surface_point(j) - surface_point(i);
-        return glm::dot(apart, apart) <= farthest_ * farthest_;
-    };
-    Neighbors found;
-    found.before = i - stride;
-    found.after = i + stride;
-    found.has_before = place > 0 && same_sheet(found.before);
-    found.has_after = place + 1 < places && same_sheet(found.after);
-    return found;
-}
-
-bool PhotonGrid::step_to(const PhotonHit& hit, std::size_t j, glm::vec3& step) const {
-    const std::size_t i = hit.photon;
-    // Differences of the rays come first: the points themselves have lost the digits.
-    const glm::vec3 level =
-        (mesh_.origin[j] - mesh_.origin[i]) + hit.depth * (mesh_.slope[j] - mesh_.slope[i]);
-    const float own = glm::dot(hit.normal, mesh_.slope[i]), other = glm::dot(hit.normal, mesh_.slope[j]);
-    if (!(other < kLeastRelativeCosine * own)) return false;  // both are negative
-    step = level - (glm::dot(hit.normal, level) / other) * mesh_.slope[j];
-    return true;
-}
-
-glm::vec3 PhotonGrid::parallel_step(const PhotonHit& hit, GridAxis axis) const {
-    const glm::vec3 across =
-        axis == GridAxis::columns ? glm::vec3(mesh_.cell.x, 0, 0) : glm::vec3(0, 0, mesh_.cell.y);
-    const glm::vec3 slope = mesh_.slope[hit.photon];
-    return across - (glm::dot(hit.normal, across) / glm::dot(hit.normal, slope)) * slope;
-}
-
-bool PhotonGrid::step(const PhotonHit& hit, GridAxis axis, bool forward, glm::vec3& step) const {
-    Neighbors near = neighbors(hit.photon, axis);
-    glm::vec3 before(0), after(0);
-    near.has_after = near.has_after && step_to(hit, near.after, after);
-    near.has_before = near.has_before && !(forward && near.has_after) && step_to(hit, near.before, before);
-    if (near.has_before && near.has_after) {
-        step = 0.5f * (after - before);
-    } else if (near.has_after) {
-        step = after;
-    } else if (near.has_before) {
-        step = -before;
-    } else {
-        step = parallel_step(hit, axis);
+RayLanes PhotonGrid::rays_at(const std::array<std::size_t, kPhotons>& index) const {
+    RayLanes rays;
+    for (std::size_t k = 0; k < kPhotons; ++k) {
+        set_lane(rays.origin, k, mesh_.origin[index[k]]);
+        set_lane(rays.slope, k, mesh_.slope[index[k]]);
+        rays.start[k] = mesh_.start[index[k]];
     }
-    return near.any();
+    rays.surface = rays.origin + rays.start * rays.slope;
+    rays.water = rays.surface;
+    if (mesh_.mirrored())
+        for (std::size_t k = 0; k < kPhotons; ++k) set_lane(rays.water, k, mesh_.water_point[index[k]]);
+    return rays;
+}
+
+void PhotonGrid::connect(Photons& photons) const {
+    for (Photons::Beside& beside : photons.beside) {
+        const Vectors3 apart = beside.ray.water - photons.own.water;
+        beside.connected &= dot(apart, apart) <= farthest_ * farthest_;
+    }
+}
+
+Photons PhotonGrid::in_row(std::size_t first, std::size_t count) const {
+    Photons photons;
+    for (std::size_t k = 0; k < kPhotons; ++k) photons.vertex[k] = first + std::min(k, count - 1);
+    if (!inner(first)) return of(std::span(photons.vertex).first(count));
+    photons.on = first_of(count);
+    photons.own = rays_from(first);
+    const auto column = static_cast<std::int32_t>(first % columns_);
+    const Flags columns = Flags{0, 1, 2, 3, 4, 5, 6, 7} + column;
+    const std::array<std::size_t, 4> from = {first - 1, first + 1, first - columns_, first + columns_};
+    for (std::size_t side = 0; side < 4; ++side) {
+        Photons::Beside& beside = photons.beside[side];
+        beside.ray = rays_from(from[side]);
+        beside.present = all(true);
+        if (side == 0) beside.present = columns > 0;
+        if (side == 1) beside.present = columns < static_cast<std::int32_t>(columns_) - 1;
+        beside.connected = beside.present & load(&mesh_.valid[from[side]]);
+    }
+    connect(photons);
+    return photons;
+}
+
+Photons PhotonGrid::of(std::span<const std::size_t> vertices) const {
+    Photons photons;
+    photons.on = first_of(vertices.size());
+    for (std::size_t k = 0; k < kPhotons; ++k) photons.vertex[k] = vertices[std::min(k, vertices.size() - 1)];
+    photons.own = rays_at(photons.vertex);
+    for (std::size_t side = 0; side < 4; ++side) {
+        Photons::Beside& beside = photons.beside[side];
+        const bool after = side % 2 == 1;
+        const std::size_t stride = side < 2 ? 1 : columns_, places = side < 2 ? columns_ : rows_;
+        std::array<std::size_t, kPhotons> at = photons.vertex;
+        for (std::size_t k = 0; k < kPhotons; ++k) {
+            const std::size_t place = side < 2 ? at[k] % columns_ : at[k] / columns_;
+            if (after ? place + 1 >= places : place == 0) continue;
+            at[k] = after ? at[k] + stride : at[k] - stride;
+            beside.present[k] = -1;
+            beside.connected[k] = mesh_.valid[at[k]] != 0 ? -1 : 0;
+        }
+        beside.ray = rays_at(at);
+    }
+    connect(photons);
+    return photons;
+}
+
+Vectors3 PhotonGrid::incident(const RayLanes& rays) const {
+    return sun_ ? all(sun_direction_) : normalized(rays.water - all(light_position_));
+}
+
+Vectors3 PhotonGrid::normal(const RayLanes& rays) const {
+    // Snell's law and the law of reflection in vector form: what changes is along the normal.
+    const Vectors3 in = incident(rays), out = from_water(rays);
+    const bool reflection = mesh_.event == light::Event::reflection;
+    const Vectors3 unit = normalized(out - all(reflection ? 1.0f : eta_) * in);
+    return choose(dot(unit, in) < 0.0f, unit, -unit);
+}
+
+Vectors3 PhotonGrid::from_water(const RayLanes& rays) const {
+    return normalized(mesh_.mirrored() ? rays.surface - rays.water : rays.slope);
+}
+
+Vectors3 PhotonGrid::mirror_normal(const RayLanes& rays) const {
+    return normalized(normalized(rays.slope) - from_water(rays));
+}
+
+Floats PhotonGrid::whole_way(const Photons& photons, const PhotonHits& hits) const {
+    if (!mesh_.mirrored()) return hits.way;
+    const Vectors3 before = photons.own.surface - photons.own.water;
+    return hits.way + lanes::square_root<float>(dot(before, before));
+}
+
+Vectors3 PhotonGrid::turned(const Photons& photons, Vectors3 dx, Flags on) const {
+    Vectors3 result;
+    for (std::size_t k = 0; !sun_ && k < kPhotons; ++k)
+        if (on[k] != 0)
+            set_lane(result, k,
+                     optics::f32::normalized_differential(lane(photons.own.water, k) - light_position_,
+                                                          lane(dx, k)));
+    return result;
+}
+
+Vectors3 PhotonGrid::spread(const Photons& photons, Vectors3 turned, Vectors3 dn, Flags on) const {
+    const Vectors3 incidents = incident(photons.own), normals = normal(photons.own);
+    const bool reflection = mesh_.event == light::Event::reflection;
+    Vectors3 result;
+    for (std::size_t k = 0; k < kPhotons; ++k) {
+        if (on[k] == 0) continue;
+        const glm::vec3 in = lane(incidents, k), n = lane(normals, k), turn = lane(turned, k);
+        set_lane(result, k,
+                 reflection ? optics::f32::reflected_differential(in, n, turn, lane(dn, k))
+                            : optics::f32::refracted_differential(in, n, eta_, turn, lane(dn, k)));
+    }
+    return result;
+}
+
+Vectors3 PhotonGrid::carried(const Photons& photons, const PhotonHits& hits, const Leaving& leaving,
+                             Flags on) const {
+    const Vectors3 outs = from_water(photons.own);
+    const Vectors3 mirrors = mesh_.mirrored() ? mirror_normal(photons.own) : Vectors3{};
+    Vectors3 result;
+    for (std::size_t k = 0; k < kPhotons; ++k) {
+        if (on[k] == 0) continue;
+        glm::vec3 place = lane(leaving.place, k), direction = lane(leaving.direction, k);
+        if (mesh_.mirrored()) {
+            const glm::vec3 before = lane(outs, k), mirror = lane(mirrors, k);
+            const float way = glm::distance(lane(photons.own.surface, k), lane(photons.own.water, k));
+            place = optics::f32::transferred_differential(place, direction, before, way, mirror);
+            direction =
+                optics::f32::reflected_differential(before, mirror, direction, lane(leaving.mirror_turn, k));
+        }
+        set_lane(result, k,
+                 optics::f32::transferred_differential(place, direction, lane(hits.beam, k), hits.way[k],
+                                                       lane(hits.normal, k)));
+    }
+    return result;
+}
+
+Floats PhotonGrid::cell_across_light(const RayLanes& rays) const {
+    return cell_area_ * lanes::magnitude(incident(rays).y);
+}
+
+PhotonHits PhotonGrid::hits(const Photons& photons, Floats depth, Vectors3 normal) const {
+    const RayLanes& own = photons.own;
+    const Floats square = dot(own.slope, own.slope), inverse = lanes::inverse_root(square);
+    return {depth, own.origin + depth * own.slope, normal, inverse * own.slope,
+            square * inverse * (depth - own.start)};
+}
+
+Vectors3 PhotonGrid::parallel_step(const Photons& photons, const PhotonHits& hits, GridAxis axis) const {
+    const glm::vec2 step = mesh_.texel[axis == GridAxis::columns ? 0 : 1];
+    const Vectors3 across = all(glm::vec3(step.x, 0, step.y)), slope = photons.own.slope;
+    return across - (dot(hits.normal, across) / dot(hits.normal, slope)) * slope;
+}
+
+GridSteps PhotonGrid::step(const Photons& photons, const PhotonHits& hits, GridAxis axis,
+                           bool forward) const {
+    const Photons::Beside &before = photons.before(axis), &after = photons.after(axis);
+    Flags has_before, has_after;
+    const Vectors3 to_before = step_to(photons.own, before.ray, hits, has_before),
+                   to_after = step_to(photons.own, after.ray, hits, has_after);
+    has_before &= before.connected;
+    has_after &= after.connected;
+    if (forward) has_before &= ~has_after;
+    const Flags both = has_before & has_after;
+    const Floats share = both ? all(0.5f) : all(1.0f);
+    const auto between = [&](Vectors3 low, Vectors3 high) {
+        return share * (choose(has_after, high, {}) - choose(has_before, low, {}));
+    };
+    GridSteps steps;
+    steps.any = has_before | has_after;
+    steps.on_plane = between(to_before, to_after);
+    steps.on_water =
+        between(before.ray.surface - photons.own.surface, after.ray.surface - photons.own.surface);
+    if (lanes::any(~steps.any))
+        steps.on_plane = choose(steps.any, steps.on_plane, parallel_step(photons, hits, axis));
+    return steps;
 }
 
 }  // namespace dapple::methods

@@ -18,10 +18,11 @@ public:
                 bool paper);
 
     /// W, a channel.
-    glm::vec3 at(const PhotonHit& hit) const;
+    Vectors3 at(const Photons& photons, const PhotonHits& hits) const;
 
 private:
-    float paper_share(const PhotonHit& hit) const;
+    Vectors3 share(const Photons& photons, const PhotonHits& hits) const;
+    Floats paper_share(const Photons& photons, const PhotonHits& hits) const;
 
     const PhotonGrid& grid_;
     light::WayTransmittance ways_;

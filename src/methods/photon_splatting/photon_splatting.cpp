@@ -46,9 +46,10 @@ std::size_t PhotonSplatting::bytes(const scene::FrameState& state, std::size_t p
     const light::MapMemory maps = light::foresee_maps(state);
     constexpr double kLanding = 4 + 12, kSplat = sizeof(layout::Splat);
     constexpr double kLayer = 4 * 3 * 16;  // four layers' staging, receivers and irradiance
-    // One map after another is drawn, landed and cut into splats, in bands before they go to the device. As
+    // One map after another is drawn, landed and cut into splats, a stretch before they go to the device. As
     // many splats as photons: those near edges of faces have more, those that the camera does not see none.
-    const double begin = std::max(maps.tracing, maps.meshes + maps.largest * (kLanding + kSplat));
+    const double stretch = kSplat * static_cast<double>(kStretchPhotons);
+    const double begin = std::max(maps.tracing, maps.meshes + maps.largest * kLanding + stretch);
     const double layers = static_cast<double>(pixels) * kLayer;
     constexpr double kMost = 0x1p61;  // maps of absurd size must not wrap around to a small number
     return static_cast<std::size_t>(std::min(kMost, maps.photons * kSplat + std::max(begin, layers)));
@@ -75,10 +76,16 @@ void PhotonSplatting::begin(FrameContext& context) {
             }
             context.stats.count("photons landed", static_cast<double>(landings.count));
             const ScopedPass pass(context.stats, "photon footprints");
-            const Splats splats = build_splats(context.scene, media, mesh, landings, style,
-                                               context.device.largest_point_size());
-            renderer.add(splats);
-            context.stats.count("photons without neighbors", static_cast<double>(splats.without_neighbors));
+            std::size_t without_neighbors = 0;
+            double lost = 0;
+            build_splats(context.scene, media, mesh, landings, style, context.device.largest_point_size(),
+                         [&](const Splats& splats) {
+                             renderer.add(splats);
+                             without_neighbors += splats.without_neighbors;
+                             lost += splats.lost;
+                         });
+            context.stats.count("photons without neighbors", static_cast<double>(without_neighbors));
+            if (lost > 0) context.stats.count("lost to flat footprints, W", lost);
         };
         state_->mapper.trace_each(
             context.scene, context.rays, light, events, map, context.stats,

@@ -1,6 +1,5 @@
 #include "methods/photon_splatting/picture_box.h"
 
-#include <algorithm>
 #include <glm/gtc/matrix_access.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 
@@ -9,10 +8,17 @@
 namespace dapple::methods {
 namespace {
 
+using lanes::greater;
+using lanes::lesser;
+
 constexpr float kNearest = 1e-3f;    // m before the camera
 constexpr float kFarthest = 1e4f;    // pixels: a longer parallelogram leaves the raster's range
 constexpr float kWorthwhile = 0.7f;  // of the box's area
 constexpr float kRounding = 0.01f;   // pixels: projection in float and the raster's own grid
+
+Floats length(Vectors2 v) {
+    return lanes::square_root<float>(dot(v, v));
+}
 
 }  // namespace
 
@@ -26,9 +32,7 @@ PictureMap::PictureMap(const scene::FrameScene& scene)
     row_x_ = glm::vec3(x);
     row_y_ = glm::vec3(y);
     row_w_ = glm::vec3(w);
-    offset_x_ = static_cast<float>(x.w);
-    offset_y_ = static_cast<float>(y.w);
-    offset_w_ = static_cast<float>(w.w);
+    offset_ = glm::vec3(x.w, y.w, w.w);
     position_ = glm::vec3(scene.state.camera.position - scene.origin);
     backward_ = -glm::vec3(camera.forward());
     const int samples = scene.state.clip.samples;
@@ -41,67 +45,89 @@ PictureMap::PictureMap(const scene::FrameScene& scene)
     grow_high_ = glm::vec2(0.5 - low) + kRounding;
 }
 
-bool PictureMap::at(glm::vec3 point, glm::vec2& pixel, glm::vec3& gradient_x, glm::vec3& gradient_y) const {
-    const float w = glm::dot(row_w_, point) + offset_w_;
-    if (w < kNearest) return false;
-    pixel = glm::vec2(glm::dot(row_x_, point) + offset_x_, glm::dot(row_y_, point) + offset_y_) / w;
-    gradient_x = (row_x_ - pixel.x * row_w_) / w;
-    gradient_y = (row_y_ - pixel.y * row_w_) / w;
-    return true;
+Vectors3 PictureMap::pixels_of(Vectors3 vector) const {
+    return {dot(row_x_, vector), dot(row_y_, vector), dot(row_w_, vector)};
 }
 
-glm::vec3 PictureMap::to_camera(glm::vec3 point) const {
-    return perspective_ ? position_ - point : backward_;
+PlaneViews PictureMap::look_at(Vectors3 point, Vectors3 right, Vectors3 up) const {
+    PlaneViews views;
+    views.point = pixels_of(point) + all(offset_);
+    views.right = pixels_of(right);
+    views.up = pixels_of(up);
+    views.in_front = views.point.z >= kNearest;
+    const Floats inverse = 1.0f / views.point.z;
+    const Floats x = inverse * views.point.x, y = inverse * views.point.y;
+    const auto derivative = [&](Vectors3 v) { return inverse * Vectors2{v.x - x * v.z, v.y - y * v.z}; };
+    views.pixel_from_right = derivative(views.right);
+    views.pixel_from_up = derivative(views.up);
+    return views;
 }
 
-glm::vec2 PictureMap::corner(glm::vec3 point, bool& in_front) const {
+Flags PictureMap::holds(const PlaneViews& planes) const {
+    const Vectors3 at = planes.point;
+    return planes.in_front & (at.x >= 0.0f) & (at.y >= 0.0f) & (at.x <= picture_.x * at.z) &
+           (at.y <= picture_.y * at.z);
+}
+
+Vectors3 PictureMap::to_camera(Vectors3 point) const {
+    return perspective_ ? all(position_) - point : all(backward_);
+}
+
+PictureCorners PictureMap::corners(const PlaneViews& planes, Vectors2 first, Vectors2 second) const {
+    const auto in_plane = [&](Vectors2 v) { return v.x * planes.right + v.y * planes.up; };
+    const Vectors3 a = in_plane(first), b = in_plane(second);
+    PictureCorners corners;
+    corners.in_front = all(true);
     // A corner behind the camera: where the surface passes the camera so closely that nothing of it is in the
     // picture but the far part, which the corner at the near plane bounds on the far side only.
-    const float w = glm::dot(row_w_, point) + offset_w_;
-    in_front = in_front && w > kNearest;
-    return glm::vec2(glm::dot(row_x_, point) + offset_x_, glm::dot(row_y_, point) + offset_y_) /
-           std::max(kNearest, w);
+    const auto corner = [&](Vectors3 at) {
+        corners.in_front &= at.z > kNearest;
+        const Floats inverse = 1.0f / greater(at.z, all(kNearest));
+        return Vectors2{inverse * at.x, inverse * at.y};
+    };
+    const Vectors3 low = planes.point - a, high = planes.point + a;
+    corners.nn = corner(low - b);
+    corners.np = corner(low + b);
+    corners.pn = corner(high - b);
+    corners.pp = corner(high + b);
+    return corners;
 }
 
-bool PictureMap::box(glm::vec3 center, glm::vec3 first, glm::vec3 second, PictureCover& cover) const {
-    glm::vec2 low(HUGE_VALF), high(-HUGE_VALF);
-    bool in_front = true;
-    for (const float a : {-1.0f, 1.0f})
-        for (const float b : {-1.0f, 1.0f}) {
-            const glm::vec2 pixel = corner(center + a * first + b * second, in_front);
-            low = glm::min(low, pixel);
-            high = glm::max(high, pixel);
-        }
-    low = glm::max(low - grow_low_, glm::vec2(0));
-    high = glm::min(high + grow_high_, picture_);
-    if (!(low.x < high.x && low.y < high.y)) return false;
-    cover.middle = 0.5f * (low + high);
-    cover.edge_a = {0.5f * (high.x - low.x), 0};
-    cover.edge_b = {0, 0.5f * (high.y - low.y)};
-    return true;
+Flags PictureMap::box(const PictureCorners& corners, PictureCovers& covers) const {
+    const auto bounds = [](Floats a, Floats b, Floats c, Floats d, Floats& low, Floats& high) {
+        low = lesser(lesser(a, b), lesser(c, d));
+        high = greater(greater(a, b), greater(c, d));
+    };
+    Vectors2 low, high;
+    bounds(corners.nn.x, corners.np.x, corners.pn.x, corners.pp.x, low.x, high.x);
+    bounds(corners.nn.y, corners.np.y, corners.pn.y, corners.pp.y, low.y, high.y);
+    low = {greater(low.x - grow_low_.x, all(0.0f)), greater(low.y - grow_low_.y, all(0.0f))};
+    high = {lesser(high.x + grow_high_.x, all(picture_.x)), lesser(high.y + grow_high_.y, all(picture_.y))};
+    covers.middle = {0.5f * (low.x + high.x), 0.5f * (low.y + high.y)};
+    covers.edge_a = {0.5f * (high.x - low.x), Floats{}};
+    covers.edge_b = {Floats{}, 0.5f * (high.y - low.y)};
+    return (low.x < high.x) & (low.y < high.y);
 }
 
-void PictureMap::fit(glm::vec3 center, glm::vec3 first, glm::vec3 second, PictureCover& cover) const {
-    bool in_front = true;
-    const glm::vec2 nn = corner(center - first - second, in_front),
-                    np = corner(center - first + second, in_front),
-                    pn = corner(center + first - second, in_front),
-                    pp = corner(center + first + second, in_front);
-    if (!in_front) return;
-    PictureCover slanted{0.25f * (nn + np + pn + pp), 0.25f * (pn + pp - nn - np),
-                         0.25f * (np + pp - nn - pn)};
-    const float area = std::abs(slanted.edge_a.x * slanted.edge_b.y - slanted.edge_a.y * slanted.edge_b.x);
-    const float length_a = glm::length(slanted.edge_a), length_b = glm::length(slanted.edge_b);
+PictureCovers PictureMap::fitted(const PictureCorners& corners, const PictureCovers& boxes) const {
+    const Vectors2 &nn = corners.nn, &np = corners.np, &pn = corners.pn, &pp = corners.pp;
+    const Floats quarter = all(0.25f);
+    PictureCovers slanted{quarter * (nn + np + pn + pp), quarter * (pn + pp - nn - np),
+                          quarter * (np + pp - nn - pn)};
+    const Floats area = lanes::magnitude(cross(slanted.edge_a, slanted.edge_b));
+    const Floats length_a = length(slanted.edge_a), length_b = length(slanted.edge_b);
     // Perspective makes the outline a general quadrilateral, whose corners lie this far off the
     // parallelogram's.
-    const float off = 0.25f * glm::length(pp - pn - np + nn);
-    const float margin = off + glm::length(glm::max(grow_low_, grow_high_));
-    if (!(area > 0) || length_a + length_b > kFarthest) return;
+    const Floats off = 0.25f * length(pp - pn - np + nn);
+    const Floats margin = off + glm::length(glm::max(grow_low_, grow_high_));
     // Each pair of sides moves out by the margin, measured across them.
-    slanted.edge_a *= 1 + margin * length_b / area;
-    slanted.edge_b *= 1 + margin * length_a / area;
-    const float slanted_area = area * (1 + margin * length_b / area) * (1 + margin * length_a / area);
-    if (slanted_area < kWorthwhile * cover.edge_a.x * cover.edge_b.y) cover = slanted;
+    const Floats widened_a = 1.0f + margin * length_b / area, widened_b = 1.0f + margin * length_a / area;
+    slanted.edge_a = widened_a * slanted.edge_a;
+    slanted.edge_b = widened_b * slanted.edge_b;
+    const Flags fits = corners.in_front & (area > 0.0f) & (length_a + length_b <= kFarthest) &
+                       (area * widened_a * widened_b < kWorthwhile * (boxes.edge_a.x * boxes.edge_b.y));
+    return {choose(fits, slanted.middle, boxes.middle), choose(fits, slanted.edge_a, boxes.edge_a),
+            choose(fits, slanted.edge_b, boxes.edge_b)};
 }
 
 }  // namespace dapple::methods

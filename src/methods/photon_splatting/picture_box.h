@@ -1,13 +1,28 @@
 #pragma once
 #include <glm/glm.hpp>
 
+#include "methods/photon_splatting/lane_vectors.h"
 #include "scene/frame_scene.h"
 
 namespace dapple::methods {
 
-/// Parallelogram of the picture, middle +- edge_a +- edge_b, pixels.
-struct PictureCover {
-    glm::vec2 middle, edge_a, edge_b;
+/// Parallelograms of the picture, middle +- edge_a +- edge_b, pixels.
+struct PictureCovers {
+    Vectors2 middle, edge_a, edge_b;
+};
+
+/// Tangent planes as the camera sees them: homogeneous pixel coordinates (x, y, weight) of a point and of two
+/// unit vectors of each.
+struct PlaneViews {
+    Vectors3 point, right, up;
+    Flags in_front{};                              ///< the point is
+    Vectors2 pixel_from_right{}, pixel_from_up{};  ///< derivatives at the point, pixels a m
+};
+
+/// The four corners point +- first +- second of parallelograms of such planes.
+struct PictureCorners {
+    Vectors2 nn, np, pn, pp;  ///< pixels; held before the near plane
+    Flags in_front{};         ///< all four are
 };
 
 /// The camera in float, relative to the frame's origin: what splats need of it.
@@ -15,23 +30,25 @@ class PictureMap {
 public:
     explicit PictureMap(const scene::FrameScene& scene);
 
-    /// Derivatives of the pixel coordinates by the world position, 1/m, at a point; false behind the camera.
-    bool at(glm::vec3 point, glm::vec2& pixel, glm::vec3& gradient_x, glm::vec3& gradient_y) const;
+    /// `right` and `up`: unit vectors of the planes.
+    PlaneViews look_at(Vectors3 point, Vectors3 right, Vectors3 up) const;
+    /// Whether the planes' points lie in the picture.
+    Flags holds(const PlaneViews& planes) const;
     /// Towards the camera, any length.
-    glm::vec3 to_camera(glm::vec3 point) const;
-    /// Box of the picture, cut to it, that holds the samples in the parallelogram center +- first +- second
-    /// of the world; false where it misses the picture.
-    bool box(glm::vec3 center, glm::vec3 first, glm::vec3 second, PictureCover& cover) const;
-    /// Changes `cover`, the box of the same parallelogram, to one that lies along it, where that is much
-    /// smaller.
-    void fit(glm::vec3 center, glm::vec3 first, glm::vec3 second, PictureCover& cover) const;
+    Vectors3 to_camera(Vectors3 point) const;
+    /// `first` and `second` in the planes' own vectors, m.
+    PictureCorners corners(const PlaneViews& planes, Vectors2 first, Vectors2 second) const;
+    /// Boxes of the picture, cut to it, that hold the samples in the parallelograms, and which of them meet
+    /// the picture.
+    Flags box(const PictureCorners& corners, PictureCovers& covers) const;
+    /// Parallelograms that lie along them where those are much smaller than `boxes`, elsewhere `boxes`.
+    PictureCovers fitted(const PictureCorners& corners, const PictureCovers& boxes) const;
 
 private:
-    /// Picture coordinates of the corner center + a first + b second, held before the near plane.
-    glm::vec2 corner(glm::vec3 point, bool& in_front) const;
+    Vectors3 pixels_of(Vectors3 vector) const;
 
     glm::vec3 row_x_, row_y_, row_w_;  // of pixel_from_world, relative to the origin
-    float offset_x_, offset_y_, offset_w_;
+    glm::vec3 offset_;
     glm::vec3 position_, backward_;
     bool perspective_;
     glm::vec2 picture_;

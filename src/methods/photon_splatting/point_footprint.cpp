@@ -1,5 +1,3 @@
-#include <algorithm>
-
 #include "methods/photon_splatting/footprint.h"
 
 namespace dapple::methods {
@@ -7,10 +5,15 @@ namespace {
 
 constexpr float kMostCompression = 100;  // at a focus there is no bound
 
+Floats area(Vectors3 a, Vectors3 b) {
+    const Vectors3 across = cross(a, b);
+    return lanes::square_root<float>(dot(across, across));
+}
+
 }  // namespace
 
 /// No size of its own: the kernel makes it a pixel.
-Footprint point_footprint(const PhotonGrid&, const PhotonHit&) {
+Footprints point_footprint(const PhotonGrid&, const Photons&, const PhotonHits&) {
     return {};
 }
 
@@ -18,22 +21,17 @@ Footprint point_footprint(const PhotonGrid&, const PhotonHit&) {
 /// that gathers there scaled by the compression ratio, the area between rays on the water over that where
 /// they land. Where beams narrow light so counts twice, by the ratio and by the number of points; flat water
 /// comes out right.
-Footprint paper_point_footprint(const PhotonGrid& grid, const PhotonHit& hit) {
-    Footprint footprint;
-    glm::vec3 right, up;
-    const bool columns = grid.step(hit, GridAxis::columns, true, right);
-    const bool rows = grid.step(hit, GridAxis::rows, true, up);
-    footprint.without_neighbors = !columns || !rows;
-    if (footprint.without_neighbors) return footprint;
-    const auto& mesh = grid.mesh();
-    const auto on_water = [&](GridAxis axis) {
-        const Neighbors near = grid.neighbors(hit.photon, axis);
-        return grid.surface_point(near.has_after ? near.after : near.before) - grid.surface_point(hit.photon);
-    };
-    const float before = glm::length(glm::cross(on_water(GridAxis::columns), on_water(GridAxis::rows)));
-    const float after = glm::length(glm::cross(right, up));
-    footprint.gain = std::min(kMostCompression, before / std::max(after, 1e-6f * mesh.cell.x * mesh.cell.y));
-    return footprint;
+Footprints paper_point_footprint(const PhotonGrid& grid, const Photons& photons, const PhotonHits& hits) {
+    const GridSteps right = grid.step(photons, hits, GridAxis::columns, true),
+                    up = grid.step(photons, hits, GridAxis::rows, true);
+    Footprints footprints;
+    footprints.without_neighbors = ~(right.any & up.any);
+    const glm::mat2 texel = grid.mesh().texel;
+    const Floats least = all(1e-6f * std::abs(glm::determinant(texel)));
+    const Floats gain =
+        area(right.on_water, up.on_water) / lanes::greater(area(right.on_plane, up.on_plane), least);
+    footprints.gain = footprints.without_neighbors ? all(1.0f) : lanes::lesser(gain, all(kMostCompression));
+    return footprints;
 }
 
 }  // namespace dapple::methods

@@ -22,7 +22,7 @@ namespace {
 
 using layout::Splat;
 using layout::SplatPush;
-static_assert(sizeof(Splat) == 100);
+static_assert(sizeof(Splat) == 96);
 static_assert(sizeof(SplatPush) == 24);
 
 constexpr std::size_t kTile = 1 << 14;
@@ -102,35 +102,79 @@ struct LayerImages {
     gpu::Image irradiance;
 };
 
+/// Splats on the device, in buffers that a storage binding takes.
+class SplatList {
+public:
+    SplatList(gpu::Device& device, std::size_t largest_buffer)
+        : device_(device), most_(std::max<std::size_t>(1, largest_buffer / sizeof(Splat))) {}
+
+    void clear() {
+        chunks_.clear();
+        size_ = 0;
+    }
+    std::size_t size() const { return size_; }
+
+    /// Appends the bands one after another.
+    void add(const std::vector<std::vector<Splat>>& bands) {
+        struct Piece {
+            std::span<const Splat> from;
+            Splat* to;
+        };
+        std::vector<Piece> pieces;
+        std::size_t left = 0;  // of these bands
+        for (const std::vector<Splat>& band : bands) left += band.size();
+        for (const std::vector<Splat>& band : bands) {
+            std::span<const Splat> rest = band;
+            while (!rest.empty()) {
+                Chunk& chunk = with_room(left);
+                const std::size_t count = std::min(rest.size(), chunk.room() - chunk.count);
+                pieces.push_back({rest.first(count), chunk.buffer.as<Splat>().data() + chunk.count});
+                chunk.count += count;
+                size_ += count;
+                left -= count;
+                rest = rest.subspan(count);
+            }
+        }
+        parallel_for(pieces.size(), 1, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i)
+                std::copy(pieces[i].from.begin(), pieces[i].from.end(), pieces[i].to);
+        });
+    }
+
+    /// `draw(buffer, count)` for each.
+    template <class DrawBuffer>
+    void each(DrawBuffer&& draw) const {
+        for (const Chunk& chunk : chunks_) draw(chunk.buffer, static_cast<std::uint32_t>(chunk.count));
+    }
+
+private:
+    struct Chunk {
+        gpu::Buffer buffer;
+        std::size_t count;
+        std::size_t room() const { return buffer.bytes() / sizeof(Splat); }
+    };
+
+    /// The last buffer, or a new one: a draw each, so they grow to the largest that there is.
+    Chunk& with_room(std::size_t wanted) {
+        if (chunks_.empty() || chunks_.back().count == chunks_.back().room()) {
+            const std::size_t room = std::min(most_, std::max(wanted, size_));
+            chunks_.push_back(
+                {gpu::Buffer(device_, "splats", room * sizeof(Splat), gpu::BufferMemory::device), 0});
+        }
+        return chunks_.back();
+    }
+
+    gpu::Device& device_;
+    std::size_t most_;  // splats in a buffer
+    std::size_t size_ = 0;
+    std::vector<Chunk> chunks_;
+};
+
 }  // namespace
 
 struct SplatRenderer::State {
-    explicit State(gpu::Device& d) : device(d) {}
-
-    /// Packs the bands one after another into buffers that fit a storage binding.
-    void pack(const std::vector<std::vector<Splat>>& bands, std::vector<gpu::Buffer>& buffers) {
-        const std::size_t most = device.largest_storage_range() / sizeof(Splat);
-        std::size_t band = 0;
-        while (band < bands.size()) {
-            std::vector<std::size_t> first;  // of each band in this buffer
-            std::size_t total = 0, end = band;
-            while (end < bands.size() && (end == band || total + bands[end].size() <= most)) {
-                first.push_back(total);
-                total += bands[end++].size();
-            }
-            if (total > 0) {
-                gpu::Buffer buffer(device, "splats", total * sizeof(Splat));
-                const std::span<Splat> splats = buffer.as<Splat>();
-                parallel_for(end - band, 1, [&](std::size_t from, std::size_t to) {
-                    for (std::size_t b = from; b < to; ++b)
-                        std::copy(bands[band + b].begin(), bands[band + b].end(),
-                                  splats.begin() + static_cast<std::ptrdiff_t>(first[b]));
-                });
-                buffers.push_back(std::move(buffer));
-            }
-            band = end;
-        }
-    }
+    State(gpu::Device& d, std::size_t largest_buffer)
+        : device(d), points(d, largest_buffer), quads(d, largest_buffer) {}
 
     /// Made when first asked for: a run has one style.
     const Pipelines& pipelines(const SplatStyle& style) {
@@ -157,28 +201,31 @@ struct SplatRenderer::State {
             targets.colors.push_back(&layer.irradiance);
             receivers.push_back(&layer.receivers);
         }
-        const auto add = [&](const gpu::RasterPipeline& pipeline, gpu::Buffer& buffer,
+        const auto add = [&](const gpu::RasterPipeline& pipeline, const gpu::Buffer& buffer,
                              std::uint32_t vertices) {
             gpu::Bindings bindings{.buffers = {&buffer}, .images = receivers, .writes = {}, .push = {}};
             bindings.set_push(push);
             passes.draw("splatting", pipeline, std::move(bindings), targets, {.vertices = vertices});
             targets.clear = false;
         };
-        const auto count = [](const gpu::Buffer& buffer) {
-            return static_cast<std::uint32_t>(buffer.bytes() / sizeof(Splat));
-        };
-        for (gpu::Buffer& buffer : points) add(four ? with.points_4 : with.points_1, buffer, count(buffer));
-        for (gpu::Buffer& buffer : quads)
-            add(four ? with.quads_4 : with.quads_1, buffer, kVerticesPerQuad * count(buffer));
+        points.each([&](const gpu::Buffer& buffer, std::uint32_t count) {
+            add(four ? with.points_4 : with.points_1, buffer, count);
+        });
+        quads.each([&](const gpu::Buffer& buffer, std::uint32_t count) {
+            add(four ? with.quads_4 : with.quads_1, buffer, kVerticesPerQuad * count);
+        });
         for (LayerImages& layer : images) passes.copy("splatting", layer.irradiance, layer.staging);
     }
 
     gpu::Device& device;
     std::optional<Pipelines> tents, boxes, paper;
-    std::vector<gpu::Buffer> points, quads;
+    SplatList points, quads;
 };
 
-SplatRenderer::SplatRenderer(gpu::Device& device) : state_(std::make_unique<State>(device)) {}
+SplatRenderer::SplatRenderer(gpu::Device& device)
+    : SplatRenderer(device, static_cast<std::size_t>(device.largest_storage_range())) {}
+SplatRenderer::SplatRenderer(gpu::Device& device, std::size_t largest_buffer)
+    : state_(std::make_unique<State>(device, largest_buffer)) {}
 SplatRenderer::~SplatRenderer() = default;
 
 void SplatRenderer::clear() {
@@ -187,32 +234,22 @@ void SplatRenderer::clear() {
 }
 
 void SplatRenderer::add(const Splats& splats) {
-    state_->pack(splats.points, state_->points);
-    state_->pack(splats.quads, state_->quads);
+    state_->points.add(splats.points);
+    state_->quads.add(splats.quads);
 }
-
-namespace {
-
-std::size_t splats_in(const std::vector<gpu::Buffer>& buffers) {
-    std::size_t total = 0;
-    for (const gpu::Buffer& buffer : buffers) total += buffer.bytes() / sizeof(Splat);
-    return total;
-}
-
-}  // namespace
 
 std::size_t SplatRenderer::points() const {
-    return splats_in(state_->points);
+    return state_->points.size();
 }
 std::size_t SplatRenderer::quads() const {
-    return splats_in(state_->quads);
+    return state_->quads.size();
 }
 
 void SplatRenderer::render(const scene::FrameScene& scene, const SplatStyle& style,
                            std::span<const view::ReceiverLayer> layers, std::span<LayerResult> results,
                            FrameStats& stats) {
     const SplatPush push = splat_push(scene);
-    const bool nothing = state_->points.empty() && state_->quads.empty();
+    const bool nothing = state_->points.size() + state_->quads.size() == 0;
     for (std::size_t next = 0; next < layers.size();) {
         const std::size_t batch = layers.size() - next >= 4 && !nothing ? 4 : 1;
         const std::span<const view::ReceiverLayer> part = layers.subspan(next, batch);

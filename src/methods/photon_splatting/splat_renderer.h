@@ -16,11 +16,13 @@ namespace dapple::methods {
 class SplatRenderer {
 public:
     explicit SplatRenderer(gpu::Device& device);
+    /// `largest_buffer`: bytes, at most Device::largest_storage_range.
+    SplatRenderer(gpu::Device& device, std::size_t largest_buffer);
     ~SplatRenderer();
 
     /// Forgets the splats of the last frame.
     void clear();
-    /// Takes the splats of one beam mesh, to be drawn after those taken before.
+    /// Takes splats, to be drawn after those taken before.
     void add(const Splats& splats);
     std::size_t points() const;
     std::size_t quads() const;

@@ -7,6 +7,7 @@
 #include <embree3/rtcore.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <cstdlib>
 #include <map>
@@ -188,12 +189,14 @@ public:
         passes.run(stats);
     }
 
-    /// Squares, large splats of the same area as their parallelograms.
-    void take(const methods::Splats& splats) {
+    void clear() {
         sprites_.clear();
         covered_ = 0;
+    }
+    /// Squares, large splats of the same area as their parallelograms.
+    void take(const methods::Splats& splats) {
         for (const auto* bands : {&splats.points, &splats.quads}) {
-            std::vector<Sprite> all;
+            std::vector<Sprite>& all = waiting_[bands == &splats.points ? 0 : 1];
             for (const std::vector<layout::Splat>& band : *bands)
                 for (const layout::Splat& splat : band) {
                     const float side = bands == &splats.points
@@ -203,6 +206,11 @@ public:
                     covered_ += static_cast<double>(side * side);
                     all.push_back({splat.center, std::min(side, device_.largest_point_size()), glm::vec4(1)});
                 }
+        }
+    }
+    /// Makes buffers of all that were taken.
+    void finish() {
+        for (const std::vector<Sprite>& all : waiting_) {
             const std::size_t most = device_.largest_storage_range() / sizeof(Sprite);
             for (std::size_t first = 0; first < all.size(); first += most) {
                 const std::size_t count = std::min(most, all.size() - first);
@@ -211,6 +219,7 @@ public:
                             sprites_.back().as<Sprite>().begin());
             }
         }
+        waiting_ = {};
     }
     /// Pixels of all sprites together.
     double covered() const { return covered_; }
@@ -242,6 +251,7 @@ private:
     gpu::RasterPipeline mesh_, points_;
     gpu::Buffer vertices_, indices_;
     gpu::Image picture_;
+    std::array<std::vector<Sprite>, 2> waiting_;  // points, quads
     std::vector<gpu::Buffer> sprites_;
     double covered_ = 0;
 };
@@ -277,23 +287,29 @@ private:
     void once(Costs& costs, bool first) {
         FrameStats stats;
         const methods::SplatStyle style = methods::splat_style(frame_.state.caustics);
-        const light::BeamMesh mesh = std::move(mapper_.trace(frame_, rays_, 0, {light::Event::transmission},
-                                                             frame_.state.caustics.map, stats)[0]);
-        for (const PassTime& pass : stats.passes()) costs.add(pass.name, pass.cpu_s);
+        light::BeamMesh mesh;
+        measure(costs, "tracing", [&] {
+            mesh = std::move(mapper_.trace(frame_, rays_, 0, {light::Event::transmission},
+                                           frame_.state.caustics.map, stats)[0]);
+        });
+        std::map<std::string, double> passes;
+        for (const PassTime& pass : stats.passes()) passes[pass.name] += pass.cpu_s;
+        for (const auto& [name, seconds] : passes) costs.add(name, seconds);
         light::Landings landings;
         measure(costs, "landing", [&] { landings = light::land(mesh, rays_); });
         renderer_.clear();
-        methods::Splats splats;
-        measure(costs, "footprints", [&] {
-            splats =
-                methods::build_splats(frame_, media_, mesh, landings, style, device_.largest_point_size());
-            renderer_.add(splats);
-        });
+        const auto splat = [&](auto take) {
+            methods::build_splats(frame_, media_, mesh, landings, style, device_.largest_point_size(), take);
+        };
+        measure(costs, "footprints",
+                [&] { splat([&](const methods::Splats& splats) { renderer_.add(splats); }); });
         measure(costs, "splatting", [&] { renderer_.render(frame_, style, layers_, results_, stats); });
 
         if (first) {
             take_rays(mesh);
-            bare_raster_.take(splats);
+            bare_raster_.clear();
+            splat([&](const methods::Splats& splats) { bare_raster_.take(splats); });
+            bare_raster_.finish();
             photons_ = static_cast<std::size_t>(stats.counted("photons"));
             splats_ = renderer_.points() + renderer_.quads();
         }
@@ -323,16 +339,16 @@ private:
     void print(int side, Costs& costs) const {
         const auto ms = [&](const char* name) { return 1e3 * costs.median(name); };
         const double bare = ms("bare map") + ms("bare landing") + ms("bare shadows");
-        const double traced = ms("caustic map") + ms("refraction") + ms("light shadows") + ms("landing");
+        const double traced = ms("tracing") + ms("landing");
         const double pass = traced + ms("footprints");
         const double photons = static_cast<double>(photons_), covered = bare_raster_.covered();
         std::printf("%d^2: %.2f M photons, %.2f M splats of %.1f pixels; CPU ms\n", side, 1e-6 * photons,
                     1e-6 * static_cast<double>(splats_), covered / static_cast<double>(splats_));
         std::printf(
-            "  map %.0f, refraction %.0f, shadow rays %.0f, landing rays %.0f, footprints %.0f; "
-            "splatting %.0f\n",
-            ms("caustic map"), ms("refraction"), ms("light shadows"), ms("landing"), ms("footprints"),
-            ms("splatting"));
+            "  tracing %.0f (map %.0f, refraction %.0f, shadow rays %.0f), landing rays %.0f, footprints "
+            "%.0f; splatting %.0f\n",
+            ms("tracing"), ms("caustic map"), ms("refraction"), ms("light shadows"), ms("landing"),
+            ms("footprints"), ms("splatting"));
         std::printf("  bare: map %.0f, shadow rays %.0f, landing rays %.0f; sprites %.0f\n", ms("bare map"),
                     ms("bare shadows"), ms("bare landing"), ms("bare splatting"));
         std::printf("  ratio: map to landing %.2f, with footprints %.2f; splatting %.2f; all %.2f\n",
