@@ -133,7 +133,7 @@ TEST(AdaptiveLight, LampsSendWhatTheBeamsOfTheMeshDo) {
     // Above the water, so near that a cube of views is needed, and under it, where light is reflected
     // totally.
     for (const glm::dvec3 position : {glm::dvec3(0.5, 1, -0.3), {0.1, 0.3, 0}, {0.2, -1, 0.1}}) {
-        const auto pool = pool_in_the_sun(0.003, 60, position.y < 0 ? 512 : 64);
+        const auto pool = pool_in_the_sun(0.003, 60, position.y < 0 ? 512 : 256);
         scene::Light& lamp = pool->state.lights[0];
         lamp.type = scene::LightType::point;
         lamp.position = position;

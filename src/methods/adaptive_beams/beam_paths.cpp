@@ -426,4 +426,17 @@ std::vector<SurfaceTexel> PathTracer::first_surfaces(int side) const {
     return texels;
 }
 
+std::vector<glm::dvec2> PathTracer::entries(std::span<const glm::dvec2> uv) const {
+    std::vector<glm::dvec2> entries(uv.size());
+    parallel_for(uv.size(), kTile, [&](std::size_t begin, std::size_t end) {
+        std::vector<VertexPaths> found(end - begin);
+        trace_tile(uv.subspan(begin, end - begin), {}, found, false);
+        for (std::size_t i = begin; i < end; ++i) {
+            const VertexPaths& at = found[i - begin];
+            entries[i] = at.falloff * glm::dvec2(at.paths[0].entry.x, at.paths[1].entry.x);
+        }
+    });
+    return entries;
+}
+
 }  // namespace dapple::methods::adaptive_beams

@@ -75,6 +75,7 @@ struct VertexPaths {
     double distance = 0;             ///< m, from the start of the light's ray; infinite where nothing is met
     double falloff = 1;              ///< of a spot, but for its picture
     double picture = 1;              ///< LightView::picture_brightness()
+    bool merged = false;             ///< it meets the mean of waves about it, as merge_waves() has it
     std::array<LightPath, 2> paths;  ///< by light::Event
 };
 
@@ -113,6 +114,8 @@ public:
     /// The first surfaces only, `side` x `side` rays through the middles of equal parts of the view, row by
     /// row.
     std::vector<SurfaceTexel> first_surfaces(int side) const;
+    /// LightPath::entry times the falloff, by light::Event, of each ray; 0 where the body is not met.
+    std::vector<glm::dvec2> entries(std::span<const glm::dvec2> uv) const;
 
 private:
     struct Way;

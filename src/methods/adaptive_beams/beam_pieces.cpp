@@ -4,11 +4,12 @@
 #include <functional>
 #include <unordered_map>
 
+#include "methods/adaptive_beams/mean_entries.h"
+#include "methods/adaptive_beams/surface_jumps.h"
+
 namespace dapple::methods::adaptive_beams {
 namespace {
 
-/// Halvings of an edge: what is lost is then a millionth of it: lines of black pixels are rare.
-constexpr int kHalvings = 20;
 /// Times that a piece is cut again where more than two kinds of paths meet in it.
 constexpr int kRounds = 4;
 /// What lies between the corners of a cut piece is lost where it is smaller than this against the piece: with
@@ -18,6 +19,10 @@ constexpr double kSliver = 1e-3;
 /// Beams that carry less than this against a triangle of the grid as large as the one that they were cut
 /// from, in the mean over the chain, are left out: near total reflection and at outlines there are thousands.
 constexpr double kWeakest = 1e-4;
+
+/// Where the corners of a piece differ by less than this, of the largest, in the share of the light that
+/// takes the event, their mean is that of the piece: curvature makes it a few thousandths at most.
+constexpr double kEven = 0.1;
 
 using Corners = std::array<std::uint32_t, 3>;
 
@@ -60,6 +65,10 @@ public:
             [&](const Piece& piece) { return mean_of(piece, Arriving{}); }, false);
         harvest_.incident = harvest_.losses[static_cast<std::size_t>(Cause::silhouette)];
         std::erase_if(pieces, [&](const Piece& piece) { return !on_body(piece.rays[0]); });
+        if (!keep_whole_) {
+            pieces = cut_at_jumps(pieces);
+            weigh(pieces);
+        }
         double extents = 0;
         for (const Piece& piece : pieces) {
             harvest_.incident += piece.extent * piece.scale * mean_of(piece, Arriving{}) * view_.color();
@@ -180,6 +189,7 @@ private:
 
     using Kind = std::function<std::uint64_t(std::uint32_t)>;
     using Weight = std::function<glm::dvec3(const Piece&)>;
+    using Alike = std::function<bool(std::uint32_t, std::uint32_t)>;
 
     /// Pieces whose rays have one kind each; `weight` is what a piece carries a unit of extent. `conserve`:
     /// pieces carry together what they were cut from did.
@@ -200,13 +210,14 @@ private:
                 break;
             }
             find_changes(mixed, kind);
-            for (const Piece& piece : mixed) cut_piece(piece, kind, weight, conserve, pieces);
+            const Alike alike = [&](std::uint32_t a, std::uint32_t b) { return kind(a) == kind(b); };
+            for (const Piece& piece : mixed) cut_piece(piece, alike, weight, conserve, pieces);
         }
         return result;
     }
 
     /// The corners of a mixed piece, and what lies between where something of a third kind does.
-    void cut_piece(const Piece& piece, const Kind& kind, const Weight& weight, bool conserve,
+    void cut_piece(const Piece& piece, const Alike& alike, const Weight& weight, bool conserve,
                    std::vector<Piece>& result) {
         const Corners& c = piece.rays;
         const std::size_t first = result.size();
@@ -229,7 +240,7 @@ private:
         };
         std::size_t odd = 3;  // the corner that is unlike the other two, which are alike
         for (std::size_t i = 0; i < 3; ++i)
-            if (kind(c[(i + 1) % 3]) == kind(c[(i + 2) % 3])) odd = i;
+            if (alike(c[(i + 1) % 3], c[(i + 2) % 3])) odd = i;
         if (odd < 3) {
             const std::uint32_t a = c[odd], b = c[(odd + 1) % 3], d = c[(odd + 2) % 3];
             add(a, on_way(a, b, 0), on_way(a, d, 0), 0);
@@ -261,23 +272,115 @@ private:
         lose(Cause::silhouette, rest * piece.scale * factor * whole);
     }
 
+    bool merged(const Corners& rays) const {
+        return std::any_of(rays.begin(), rays.end(),
+                           [&](std::uint32_t ray) { return rays_.paths[ray].merged; });
+    }
+
+    /// Cuts pieces where the surface that is met first jumps: what waves in the light's way hide of others is
+    /// no part of a beam. Not where waves are merged. Each edge is cut once: what more outlines it crosses
+    /// are narrower than the finest cells.
+    std::vector<Piece> cut_at_jumps(const std::vector<Piece>& pieces) {
+        std::vector<RayEdge> edges;
+        changes_.clear();
+        for (const Piece& piece : pieces) {
+            if (merged(piece.rays)) continue;
+            for (std::size_t i = 0; i < 3; ++i) {
+                const auto [low, high] = std::minmax(piece.rays[i], piece.rays[(i + 1) % 3]);
+                const RayEdge edge{low, high};
+                if (!may_jump(view_, rays_, edge)) continue;
+                if (changes_.try_emplace(key(low, high)).second) edges.push_back(edge);
+            }
+        }
+        const std::vector<std::optional<RayEdge>> jumps = surface_jumps(tracer_, rays_, edges);
+        for (std::size_t i = 0; i < edges.size(); ++i) {
+            const std::uint64_t edge = key(edges[i][0], edges[i][1]);
+            if (!jumps[i]) {
+                changes_.erase(edge);
+                continue;
+            }
+            const auto [last, next] = *jumps[i];
+            changes_[edge] = {last, next, last, next};
+        }
+        const Alike alike = [&](std::uint32_t a, std::uint32_t b) {
+            return !changes_.contains(key(std::min(a, b), std::max(a, b)));
+        };
+        const Weight weight = [&](const Piece& piece) { return mean_of(piece, Arriving{}); };
+        std::vector<Piece> result;
+        for (const Piece& piece : pieces) {
+            const Corners& c = piece.rays;
+            const int parted =
+                (alike(c[0], c[1]) ? 0 : 1) + (alike(c[1], c[2]) ? 0 : 1) + (alike(c[2], c[0]) ? 0 : 1);
+            if (parted == 0 || merged(c)) {
+                result.push_back(piece);
+            } else if (parted == 1) {
+                cut_edge(piece, alike, result);
+            } else {
+                cut_piece(piece, alike, weight, false, result);
+            }
+        }
+        return result;
+    }
+
+    /// An outline that begins in a piece crosses one of its edges only: both parts have the other corner.
+    void cut_edge(const Piece& piece, const Alike& alike, std::vector<Piece>& result) const {
+        const Corners& c = piece.rays;
+        std::size_t edge = 0;
+        while (alike(c[edge], c[(edge + 1) % 3])) ++edge;
+        const std::uint32_t a = c[edge], b = c[(edge + 1) % 3], top = c[(edge + 2) % 3];
+        const Change& change = changes_.at(key(std::min(a, b), std::max(a, b)));
+        const std::uint32_t of_a = a < b ? change[0] : change[3], of_b = a < b ? change[3] : change[0];
+        for (const Corners& rays : {Corners{a, of_a, top}, Corners{of_b, b, top}}) {
+            Piece part = piece;
+            part.rays = rays;
+            part.extent = extent(rays);
+            part.picture = picture(rays);
+            result.push_back(part);
+        }
+    }
+
+    /// Corrects the flux of pieces over which the share of the light that takes the event is uneven: where
+    /// light grazes a wave it goes with the root of the distance from the outline, of which corners say
+    /// little.
+    void weigh(std::vector<Piece>& pieces) const {
+        const auto share = [&](std::uint32_t ray) { return arriving(ray, 0).x; };
+        std::vector<std::size_t> uneven;
+        std::vector<RayTriangle> triangles;
+        for (std::size_t i = 0; i < pieces.size(); ++i) {
+            const Corners& c = pieces[i].rays;
+            if (merged(c)) continue;
+            const auto [least, most] = std::minmax({share(c[0]), share(c[1]), share(c[2])});
+            if (!(most - least > kEven * most)) continue;
+            uneven.push_back(i);
+            triangles.push_back({rays_.uv[c[0]], rays_.uv[c[1]], rays_.uv[c[2]]});
+        }
+        const std::vector<double> means = mean_entries(tracer_, static_cast<light::Event>(event_), triangles);
+        for (std::size_t i = 0; i < uneven.size(); ++i) {
+            const Corners& c = pieces[uneven[i]].rays;
+            pieces[uneven[i]].scale = glm::dvec3(3 * means[i] / (share(c[0]) + share(c[1]) + share(c[2])));
+        }
+    }
+
     static std::uint64_t key(std::uint32_t low, std::uint32_t high) {
         return static_cast<std::uint64_t>(low) << 32 | high;
     }
 
     /// Fills changes_ for all edges of the pieces whose ends differ.
     void find_changes(const std::vector<Piece>& pieces, const Kind& kind) {
-        std::vector<std::array<std::uint32_t, 2>> edges;
+        std::vector<RayEdge> edges;
         for (const Piece& piece : pieces)
             for (std::size_t i = 0; i < 3; ++i) {
                 const auto [low, high] = std::minmax(piece.rays[i], piece.rays[(i + 1) % 3]);
                 if (kind(low) == kind(high)) continue;
                 if (changes_.try_emplace(key(low, high)).second) edges.push_back({low, high});
             }
-        const auto from_low = halve(edges, kind);
+        const auto like_first = [&](const RayEdge& edge, const RayEdge&, std::uint32_t probe) {
+            return kind(probe) == kind(edge[0]);
+        };
+        const auto from_low = halve(tracer_, rays_, edges, like_first);
         // Where something of a third kind lies between, the other side of it is looked for from the other
         // end.
-        std::vector<std::array<std::uint32_t, 2>> reversed;
+        std::vector<RayEdge> reversed;
         std::vector<std::size_t> which;
         for (std::size_t i = 0; i < edges.size(); ++i) {
             const auto [last, next] = from_low[i];
@@ -286,41 +389,12 @@ private:
             reversed.push_back({edges[i][1], edges[i][0]});
             which.push_back(i);
         }
-        const auto from_high = halve(reversed, kind);
+        const auto from_high = halve(tracer_, rays_, reversed, like_first);
         for (std::size_t i = 0; i < which.size(); ++i) {
             Change& change = changes_[key(edges[which[i]][0], edges[which[i]][1])];
             change[2] = from_high[i][1];
             change[3] = from_high[i][0];
         }
-    }
-
-    /// The last ray like each edge's first end, and one beyond it that is not.
-    std::vector<std::array<std::uint32_t, 2>> halve(const std::vector<std::array<std::uint32_t, 2>>& edges,
-                                                    const Kind& kind) {
-        // A working ray an end of each edge, in place of thousands that nobody asks for again.
-        const std::size_t first = rays_.uv.size(), count = edges.size();
-        auto brackets = edges;
-        std::vector<glm::dvec2> uv(count);
-        std::vector<VertexPaths> traced(count);
-        std::vector<std::uint64_t> alike(count);
-        for (std::size_t i = 0; i < count; ++i) alike[i] = kind(edges[i][0]);
-        rays_.uv.resize(first + 3 * count);
-        rays_.paths.resize(first + 3 * count);
-        for (int step = 0; step < kHalvings; ++step) {
-            for (std::size_t i = 0; i < count; ++i)
-                uv[i] = 0.5 * (rays_.uv[brackets[i][0]] + rays_.uv[brackets[i][1]]);
-            tracer_.trace(uv, traced);
-            for (std::size_t i = 0; i < count; ++i) {
-                const std::size_t probe = first + 3 * i;
-                rays_.uv[probe] = uv[i];
-                rays_.paths[probe] = std::move(traced[i]);
-                const std::size_t side = kind(static_cast<std::uint32_t>(probe)) == alike[i] ? 0 : 1;
-                rays_.uv[probe + 1 + side] = uv[i];
-                std::swap(rays_.paths[probe + 1 + side], rays_.paths[probe]);
-                brackets[i][side] = static_cast<std::uint32_t>(probe + 1 + side);
-            }
-        }
-        return brackets;
     }
 
     const PathTracer& tracer_;

@@ -44,8 +44,11 @@ struct BeamHarvest {
 /// the pieces, leg by leg. Where two rays of an edge have different paths, the place between them where the
 /// path changes is found by halving; what lies between its two sides, a millionth of the edge, is lost at
 /// silhouettes. (Liktor and Dachsbacher 2011, 4.1, leave out the whole triangle; `keep_whole` does so.) An
-/// edge is cut in the same places for both its triangles. New rays are appended to `rays`. `entry`, where it
-/// is not empty: by what the flux of each triangle is multiplied.
+/// edge is cut in the same places for both its triangles. Triangles are cut as well where one part of the
+/// body hides another from the light, as waves do from a low sun (not with `keep_whole`, nor where waves are
+/// merged); and where the share of the light that takes the event is uneven over a piece, its flux has the
+/// mean by rays within it. New rays are appended to `rays`. `entry`, where it is not empty: by what the flux
+/// of each other triangle is multiplied.
 BeamHarvest cut_into_beams(const PathTracer& tracer, const LightView& view, light::Event event,
                            std::span<const std::array<std::uint32_t, 3>> triangles, bool keep_whole,
                            TracedRays& rays, std::span<const glm::dvec2> entry = {});

@@ -13,8 +13,8 @@ namespace dapple::methods::adaptive_beams {
 /// The first leg of a chain begins after its first event, at glass where light has come out again; where it
 /// ends at the water or at glass, what goes through makes a leg of its own, and so on ("sun > ball:TT >
 /// water:T"). Legs end on objects, or where nothing beyond can be lit or seen; the rays of a beam end on one
-/// object (with `paper_faithful` they may not). A beam of the last level at an outline is cut there; with
-/// `paper_faithful` it is left out.
+/// object (with `paper_faithful` they may not). A beam of the last level at an outline is cut there, at that
+/// of a wave that hides others from a low sun too; with `paper_faithful` it is left out.
 ///
 /// Where the water's dispersion is not 0, what goes through it has paths of its own for red, green and blue.
 ///

@@ -104,7 +104,10 @@ std::vector<glm::dvec2> merge_waves(const PathTracer& tracer, const ProjectedGri
     }
     std::vector<VertexPaths> traced(merged.size());
     tracer.trace(uv, normals, traced);
-    for (std::size_t i = 0; i < merged.size(); ++i) rays.paths[merged[i]] = std::move(traced[i]);
+    for (std::size_t i = 0; i < merged.size(); ++i) {
+        rays.paths[merged[i]] = std::move(traced[i]);
+        rays.paths[merged[i]].merged = true;
+    }
 
     std::vector<glm::dvec2> entry(triangles.size(), glm::dvec2(1));
     for (std::size_t t = 0; t < triangles.size(); ++t) {
