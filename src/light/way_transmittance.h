@@ -13,8 +13,8 @@ class WayTransmittance {
 public:
     WayTransmittance(const scene::FrameScene& scene, const media::Media& media, const BeamMesh& mesh);
 
-    /// Share of the light, a channel, that reaches the water at `surface` and from there, `way` m on, a
-    /// `point`; both m, relative to FrameScene::origin.
+    /// Share of the light, a channel, that reaches the water at `surface` (of a mirrored mesh: of what leaves
+    /// the mirror there) and from there, `way` m on, a `point`; both m, relative to FrameScene::origin.
     glm::vec3 of(glm::vec3 surface, glm::vec3 point, float way) const;
 
     /// Whether nothing but the water lies on the ways: then only their lengths in it count, each channel's
@@ -27,7 +27,8 @@ private:
     glm::vec3 extinction_, light_position_;
     glm::dvec3 sun_direction_;
     bool sun_, from_below_, in_water_;
-    bool bounded_;  // some medium but the water may lie on the ways
+    bool onward_only_;  // the mesh's tints have the way before
+    bool bounded_;      // some medium but the water may lie on the ways
 };
 
 }  // namespace dapple::light

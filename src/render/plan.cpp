@@ -372,7 +372,9 @@ private:
     void not_modelled() {
         std::string what =
             "multiple scattering, light from floor to surface to floor, second crossings of the water by "
-            "light, light sent on by mirrors, the sun's disc ";
+            "light, light sent on by mirrors";
+        if (state_.caustics.map.second_bounce) what += " (but once, after the water)";
+        what += ", the sun's disc ";
         if (any_area_) what += "and area lights ";
         what += "as seen by the camera, occlusion of the sky term";
         if (scatters()) {

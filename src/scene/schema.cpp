@@ -334,6 +334,10 @@ const Structure& caustics_schema() {
                 "edges of objects; of photon_splatting as the footprints' papers: drawn as a raster does, "
                 "held to receivers by depth")
                 .only_for(kMapMethods),
+            integral<map, &CausticMapParameters::second_bounce>(
+                "second_bounce", FieldKind::boolean,
+                "whether light of the water that lands on mirrors is sent on, to where it lands next")
+                .only_for(kMapMethods),
             choice<&Caustics::photon_splatting, &PhotonSplattingParameters::footprint>(
                 "footprint", {"tent", "fixed", "photon_differential", "photon_difference", "point"},
                 "what a photon lights where it lands")

@@ -176,6 +176,8 @@ private:
         const char* low_pass = "caustics.paper_low_pass";
         if (program_.given.count(low_pass) > 0 && !caustics.adaptive_beams.paper_faithful)
             fault(low_pass, "blurs the light of the paper's beams only; add paper_faithful: true");
+        if (caustics.map.second_bounce && caustics.map.paper_faithful)
+            fault("caustics.second_bounce", "is of neither paper; leave out paper_faithful");
         check_cascades(caustics.map);
     }
 

@@ -9,6 +9,7 @@
 #include "media/media.h"
 #include "methods/caustic_mesh/cell_builder.h"
 #include "methods/caustic_mesh/cell_renderer.h"
+#include "methods/mirror_bounce.h"
 
 namespace dapple::methods {
 
@@ -31,6 +32,7 @@ Support CausticMesh::supports_surface(const scene::FrameState& state) const {
         reason += state.caustics.map.paper_faithful
                       ? "; the sun as a point"
                       : "; the sun's disc as a widening of pixels by its variance";
+    if (state.caustics.map.second_bounce) reason += "; light that mirrors send on once after the water";
     if (state.caustics.map.paper_faithful)
         reason += "; E at the samples' points, and none where triangles span edges of objects";
     return {Support::Degree::partly, reason};
@@ -46,10 +48,13 @@ std::size_t CausticMesh::bytes(const scene::FrameState& state, std::size_t pixel
     // One map after another is drawn, landed and cut into cells, a stretch of them before it goes to the
     // device.
     const double stretch = std::min(maps.largest, static_cast<double>(caustic_mesh::kStretch));
-    const double begin = std::max(maps.tracing, maps.meshes + maps.largest * kLanding + stretch * cell);
+    const bool bounce = state.caustics.map.second_bounce;
+    const double vertex = kLanding + (bounce ? kMirroredVertexBytes + kLanding : 0);
+    const double begin = std::max(maps.tracing, maps.meshes + maps.largest * vertex + stretch * cell);
     const double layers = static_cast<double>(pixels) * kLayer;
     constexpr double kMost = 0x1p61;  // maps of absurd size must not wrap around to a small number
-    return static_cast<std::size_t>(std::min(kMost, maps.photons * cell + std::max(begin, layers)));
+    return static_cast<std::size_t>(
+        std::min(kMost, (bounce ? 2 : 1) * maps.photons * cell + std::max(begin, layers)));
 }
 
 void CausticMesh::begin(FrameContext& context) {
@@ -64,13 +69,7 @@ void CausticMesh::begin(FrameContext& context) {
         std::vector<light::Event> events;
         for (; next < context.chains.size() && context.chains[next].light == light; ++next)
             events.push_back(context.chains[next].event);
-        const auto lay = [&](const light::BeamMesh& mesh) {
-            light::Landings landings;
-            {
-                const ScopedPass pass(context.stats, "photon tracing");
-                landings = light::land(mesh, context.rays);
-            }
-            context.stats.count("photons landed", static_cast<double>(landings.count));
+        const auto lay_cells = [&](const light::BeamMesh& mesh, const light::Landings& landings) {
             const ScopedPass pass(context.stats, "mesh cells");
             caustic_mesh::build_cells(
                 context.scene, media, mesh, landings, context.rays, context.device.largest_point_size(),
@@ -84,6 +83,19 @@ void CausticMesh::begin(FrameContext& context) {
                                             static_cast<double>(cells.overfull));
                     if (cells.lost > 0) context.stats.count("lost to cells without size, W", cells.lost);
                 });
+        };
+        const auto lay = [&](const light::BeamMesh& mesh) {
+            light::Landings landings;
+            {
+                const ScopedPass pass(context.stats, "photon tracing");
+                landings = light::land(mesh, context.rays);
+            }
+            context.stats.count("photons landed", static_cast<double>(landings.count));
+            lay_cells(mesh, landings);
+            if (!map.second_bounce) return;
+            for (const MirroredMesh& sent :
+                 mirror_bounce(context.scene, media, context.rays, mesh, context.stats))
+                lay_cells(sent.mesh, sent.landings);
         };
         state_->mapper.trace_each(
             context.scene, context.rays, light, events, map, context.stats,

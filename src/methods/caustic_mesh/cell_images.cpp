@@ -46,7 +46,7 @@ CellImage CellImages::landed(const Corners& corners, float share) const {
         way += 0.25f * (corners[k].depth - corners[k].start) * glm::length(corners[k].slope);
     }
     image.cell.normal = glm::normalize(normal);
-    image.cell.disc = mesh_.disc() * way;
+    image.cell.disc = mesh_.disc(way);
     return image;
 }
 
@@ -54,7 +54,7 @@ bool CellImages::on_plane(const Corners& corners, const MeshRay& on, float share
     const glm::vec3 point = on.landing();
     image = about(corners, share);
     image.cell.normal = on.normal;
-    image.cell.disc = mesh_.disc() * (on.depth - on.start) * glm::length(on.slope);
+    image.cell.disc = mesh_.disc((on.depth - on.start) * glm::length(on.slope));
     const float cosine = glm::dot(on.normal, on.slope);
     for (std::size_t k = 0; k < 4; ++k) {
         const MeshRay& ray = corners[k];

@@ -59,13 +59,23 @@ LandedMesh::LandedMesh(const scene::FrameScene& scene, const media::Media& media
       farthest_(kFarthestNeighbor * mesh.longest_step()) {
     const scene::Light& light = scene.state.lights[static_cast<std::size_t>(mesh.light)];
     const bool sun = light.type == scene::LightType::sun;
-    shadowed_ = light::may_shadow(scene, rays, light);
+    // Light that a mirror sends on was shadowed before.
+    shadowed_ = !mesh.mirrored() && light::may_shadow(scene, rays, light);
     color_ = glm::vec3(sun ? light.irradiance : light.intensity);
     // Refraction into the water narrows the disc by 1/n across the plane of incidence and by more, cos(i) /
     // (n cos(t)), in it; the wider one stands for both.
     const double narrowed =
         mesh.event == light::Event::transmission ? scene.state.water->refractive_index : 1.0;
     if (sun) disc_ = static_cast<float>(0.5 * light.angular_diameter / narrowed);
+    if (mesh.mirrored()) {
+        std::size_t lit = 0;
+        for (std::size_t i = 0; i < mesh.vertices(); ++i) {
+            if (!(mesh.flux[i] > 0)) continue;
+            before_ += glm::distance(ray(i).surface_point(), mesh.water_point[i]);
+            ++lit;
+        }
+        before_ /= static_cast<float>(std::max<std::size_t>(1, lit));
+    }
     parallel_for(areas_.size(), kTile, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) areas_[i] = area_about(i);
     });

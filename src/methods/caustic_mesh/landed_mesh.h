@@ -65,8 +65,9 @@ public:
     bool shadowed() const { return shadowed_; }
     /// 1 for those of the rays whose points on the water an object hides from the light.
     std::vector<std::uint8_t> in_shadow(std::span<const MeshRay> rays) const;
-    /// Radius of the image of the sun's disc across a beam, a m of way from the water.
-    float disc() const { return disc_; }
+    /// Radius of the image of the sun's disc across a beam, m, at so many m from the water; of light that a
+    /// mirror sends on from there, to which the mean way is added.
+    float disc(float way) const { return disc_ * (before_ + way); }
 
 private:
     bool step_to(const MeshRay& ray, std::size_t j, glm::vec3& step) const;
@@ -86,7 +87,8 @@ private:
     glm::vec3 color_;
     float farthest_;  // m
     bool shadowed_;
-    float disc_ = 0;
+    float disc_ = 0;    // radius a m of way
+    float before_ = 0;  // m from the water to the mirror
 };
 
 }  // namespace dapple::methods::caustic_mesh

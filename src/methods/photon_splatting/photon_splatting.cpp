@@ -7,6 +7,7 @@
 #include "light/caustic_map.h"
 #include "light/landing.h"
 #include "light/map_memory.h"
+#include "methods/mirror_bounce.h"
 #include "methods/photon_splatting/footprint.h"
 #include "methods/photon_splatting/splat_builder.h"
 #include "methods/photon_splatting/splat_renderer.h"
@@ -33,6 +34,7 @@ Support PhotonSplatting::supports_surface(const scene::FrameState& state) const 
         reason += splat_style(state.caustics).disc
                       ? "; the sun's disc as a widening of the splats by its variance"
                       : "; the sun's disc as a point";
+    if (state.caustics.map.second_bounce) reason += "; light that mirrors send on once after the water";
     if (std::any_of(state.lights.begin(), state.lights.end(), scene::is_area))
         reason +=
             splat_style(state.caustics).disc
@@ -49,10 +51,13 @@ std::size_t PhotonSplatting::bytes(const scene::FrameState& state, std::size_t p
     // One map after another is drawn, landed and cut into splats, a stretch before they go to the device. As
     // many splats as photons: those near edges of faces have more, those that the camera does not see none.
     const double stretch = kSplat * static_cast<double>(kStretchPhotons);
-    const double begin = std::max(maps.tracing, maps.meshes + maps.largest * kLanding + stretch);
+    const bool bounce = state.caustics.map.second_bounce;
+    const double mirrored = bounce ? kMirroredVertexBytes + kLanding : 0;
+    const double begin = std::max(maps.tracing, maps.meshes + maps.largest * (kLanding + mirrored) + stretch);
     const double layers = static_cast<double>(pixels) * kLayer;
     constexpr double kMost = 0x1p61;  // maps of absurd size must not wrap around to a small number
-    return static_cast<std::size_t>(std::min(kMost, maps.photons * kSplat + std::max(begin, layers)));
+    return static_cast<std::size_t>(
+        std::min(kMost, (bounce ? 2 : 1) * maps.photons * kSplat + std::max(begin, layers)));
 }
 
 void PhotonSplatting::begin(FrameContext& context) {
@@ -68,13 +73,7 @@ void PhotonSplatting::begin(FrameContext& context) {
         std::vector<light::Event> events;
         for (; next < context.chains.size() && context.chains[next].light == light; ++next)
             events.push_back(context.chains[next].event);
-        const auto splat = [&](const light::BeamMesh& mesh) {
-            light::Landings landings;
-            {
-                const ScopedPass pass(context.stats, "photon tracing");
-                landings = light::land(mesh, context.rays);
-            }
-            context.stats.count("photons landed", static_cast<double>(landings.count));
+        const auto add = [&](const light::BeamMesh& mesh, const light::Landings& landings) {
             const ScopedPass pass(context.stats, "photon footprints");
             std::size_t without_neighbors = 0;
             double lost = 0;
@@ -86,6 +85,19 @@ void PhotonSplatting::begin(FrameContext& context) {
                          });
             context.stats.count("photons without neighbors", static_cast<double>(without_neighbors));
             if (lost > 0) context.stats.count("lost to flat footprints, W", lost);
+        };
+        const auto splat = [&](const light::BeamMesh& mesh) {
+            light::Landings landings;
+            {
+                const ScopedPass pass(context.stats, "photon tracing");
+                landings = light::land(mesh, context.rays);
+            }
+            context.stats.count("photons landed", static_cast<double>(landings.count));
+            add(mesh, landings);
+            if (!map.second_bounce) return;
+            for (const MirroredMesh& sent :
+                 mirror_bounce(context.scene, media, context.rays, mesh, context.stats))
+                add(sent.mesh, sent.landings);
         };
         state_->mapper.trace_each(
             context.scene, context.rays, light, events, map, context.stats,

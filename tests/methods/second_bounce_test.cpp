@@ -1,0 +1,200 @@
+// Light that mirrors in the water send up to the underside of a hull.
+#include <gtest/gtest.h>
+
+#include "closed_form/gentle_sea.h"
+#include "methods/caustic_mesh/caustic_mesh.h"
+#include "methods/reference_frame.h"
+#include "methods/splat_scene.h"
+
+namespace dapple {
+namespace {
+
+using scene::PhotonFootprint;
+using test::Frame;
+using test::LayerResult;
+
+constexpr double kBottom = 1.5, kHull = 0.3;  // m of depth
+constexpr double kZenith = 50;                // degrees
+constexpr int kPixels = 32;
+constexpr double kView = 1.6;  // m
+
+/// Refracted below flat water.
+double refracted() {
+    return std::asin(std::sin(kZenith * scene::kDegree) / 1.333);
+}
+/// m along x between the bottom and the hull.
+double aside() {
+    return (kBottom - kHull) * std::tan(refracted());
+}
+
+/// A hull beside the light that a mirror on the bottom gets, and above what it sends on; seen from below.
+scene::FrameState dock(const scene::Object& mirror) {
+    scene::FrameState state = test::pool_over_floor(4, 4, kView, kPixels);
+    state.lights = {test::sun_from_zenith(kZenith)};
+    state.objects = {mirror, test::level_plane("hull", -kHull, 1.6)};
+    state.objects[0].material.mirror = true;
+    state.objects[0].material.color = {0.9, 0.6, 0.3};
+    state.objects[1].transform.position.x = aside();
+    state.objects[1].transform.rotation = {glm::pi<double>(), 0, 0};
+    state.camera.position = {aside(), -0.5 * (kBottom + kHull), 0};
+    state.camera.target = {aside(), 0, 0};
+    state.caustics.reference = test::kOneRound;
+    state.caustics.map.map_resolution = 200;  // 2 cm
+    state.caustics.map.second_bounce = true;
+    return state;
+}
+
+scene::Object level_mirror() {
+    scene::Object mirror = test::level_plane("mirror", -kBottom, 1);
+    mirror.size = {0.6, 1, 0.8};
+    return mirror;
+}
+
+/// A method that starts from a caustic map, and what it makes of a photon.
+struct Way {
+    const char* name;
+    PhotonFootprint footprint = PhotonFootprint::tent;
+    bool mesh = false;
+};
+
+LayerResult by_map(const scene::FrameState& state, const Way& way, FrameStats& stats) {
+    Frame frame(state);
+    frame.scene.state.caustics.photon_splatting.footprint = way.footprint;
+    const rays::RayScene rays(frame.scene);
+    view::LayerCounts counts;
+    const view::ReceiverLayer layer = view::trace_layer(frame.scene, rays, {}, counts);
+    methods::FrameContext context{frame.scene, rays, test::validated_device(), stats, frame.chains};
+    methods::PhotonSplatting photons;
+    methods::CausticMesh mesh;
+    methods::CausticMethod& method =
+        way.mesh ? static_cast<methods::CausticMethod&>(mesh) : static_cast<methods::CausticMethod&>(photons);
+    method.begin(context);
+    LayerResult result;
+    method.irradiance(context, std::span(&layer, 1), std::span(&result, 1));
+    return result;
+}
+
+const std::vector<Way> kWays = {{"tents"},
+                                {"photon differences", PhotonFootprint::photon_difference},
+                                {"photon differentials", PhotonFootprint::photon_differential},
+                                {"fixed", PhotonFootprint::fixed},
+                                {"caustic mesh", PhotonFootprint::tent, true}};
+
+TEST(SecondBounce, OfALevelMirrorBelowFlatWater) {
+    const test::FlatFloor at = test::flat_floor(kZenith, 2 * kBottom - kHull, 1.333);
+    for (const Way& way : kWays) {
+        scene::FrameState state = dock(level_mirror());
+        FrameStats stats;
+        const LayerResult found = by_map(state, way, stats);
+        double flux = 0, columns = 0, rows = 0;
+        for (int i = 0; i < kPixels * kPixels; ++i) {
+            const double x = kView * ((i % kPixels + 0.5) / kPixels - 0.5);
+            const double z = kView * ((i / kPixels + 0.5) / kPixels - 0.5);
+            // From the border of what the mirror sends on: a photon's spacing and a pixel beyond it, or
+            // within.
+            const double outside = std::max(std::abs(x) - 0.3, std::abs(z) - 0.4);
+            const glm::vec3 e = found.irradiance[static_cast<std::size_t>(i)];
+            for (int c = 0; c < 3; ++c) {
+                const double lit = state.lights[0].irradiance[c] * at.irradiance *
+                                   std::exp(-state.water->absorption[c] * at.way) *
+                                   state.objects[0].material.color[c];
+                if (outside > 0.07) {
+                    EXPECT_EQ(e[c], 0) << way.name << " " << x << " " << z;
+                } else if (outside < -0.07) {
+                    EXPECT_NEAR(static_cast<double>(e[c]) / lit, 1, 1e-4) << way.name << " " << x << " " << z;
+                }
+                if (c == 0) {
+                    const double share = static_cast<double>(e[c]) / lit;
+                    flux += share * std::pow(kView / kPixels, 2);
+                    if (std::abs(z) < 0.03) columns += 0.5 * share * kView / kPixels;
+                    if (std::abs(x) < 0.03) rows += 0.5 * share * kView / kPixels;
+                }
+            }
+        }
+        // The border lies within a photon's spacing at either side.
+        printf("%s: lit %.4f x %.4f m, %.4f m^2\n", way.name, columns, rows, flux);
+        EXPECT_NEAR(columns, 0.6, 0.02);
+        EXPECT_NEAR(rows, 0.8, 0.02);
+        // Before the way from mirror to hull.
+        const double sent = 0.48 * at.irradiance / 3 *
+                            glm::dot(state.lights[0].irradiance * state.objects[0].material.color,
+                                     glm::exp(-state.water->absorption * (kBottom / std::cos(refracted()))));
+        EXPECT_NEAR(stats.counted("light sent on by mirrors, W") / sent, 1, 0.04);
+        state.caustics.map.second_bounce = false;
+        for (const glm::vec3& e : by_map(state, way, stats).irradiance) EXPECT_EQ(e, glm::vec3(0));
+    }
+}
+
+TEST(SecondBounce, LightThatMeetsTheWaterOrAnotherMirrorIsCounted) {
+    scene::FrameState state = dock(level_mirror());
+    FrameStats open, closed;
+    state.objects[1].transform.position.x = -20;
+    by_map(state, kWays[0], open);
+    EXPECT_GT(open.counted("light sent on by mirrors, W"), 0.1);
+    EXPECT_NEAR(open.counted("lost at the water behind mirrors, W"),
+                open.counted("light sent on by mirrors, W"), 1e-9);
+    EXPECT_EQ(open.counted("lost to second mirrors, W"), 0);
+    state.objects[1].transform.position.x = aside();
+    state.objects[1].material.mirror = true;
+    by_map(state, kWays[0], closed);
+    // The hull's upper side is a mirror too, whose light leaves the water.
+    EXPECT_NEAR(closed.counted("lost to second mirrors, W"), open.counted("light sent on by mirrors, W"),
+                1e-9);
+    EXPECT_NEAR(
+        closed.counted("lost to second mirrors, W") + closed.counted("lost at the water behind mirrors, W"),
+        closed.counted("light sent on by mirrors, W"), 1e-9);
+}
+
+/// L1 of a method against the reference, beside what the reference's own noise makes of it, and the bias.
+void expect_like_reference(const scene::FrameState& state, const std::vector<Way>& ways, std::uint64_t strata,
+                           double l1, double bias) {
+    Frame frame(state);
+    frame.options.first_strata = strata;
+    frame.options.second_crossings = false;
+    const LayerResult truth = frame.render();
+    for (const Way& way : ways) {
+        FrameStats stats;
+        const LayerResult found = by_map(state, way, stats);
+        double difference = 0, noise = 0, sum = 0, all = 0;
+        for (std::size_t i = 0; i < truth.irradiance.size(); ++i) {
+            const auto e = static_cast<double>(truth.irradiance[i].x);
+            const auto f = static_cast<double>(found.irradiance[i].x);
+            difference += std::abs(f - e);
+            noise += std::sqrt(2 / glm::pi<double>() * static_cast<double>(truth.data[0].values[i]));
+            sum += e;
+            all += f;
+        }
+        printf("%s: L1 %.2f %%, noise %.2f %%, bias %.2f %%\n", way.name, 100 * difference / sum,
+               100 * noise / sum, 100 * (all / sum - 1));
+        EXPECT_LT(difference / sum, noise / sum + l1) << way.name;
+        EXPECT_LT(std::abs(all / sum - 1), bias) << way.name;
+    }
+}
+
+TEST(SecondBounce, OfALevelMirrorBelowWavesIsThatOfTheReference) {
+    scene::FrameState state = dock(level_mirror());
+    state.objects[0].size = {1.4, 1, 1.4};
+    state.camera.view_height = 1;  // within its border, which the test above looks at
+    state.water->surface.type = scene::WaterSurfaceType::waves;
+    state.water->surface.waves = test::gentle_waves();
+    state.water->mesh_cells = 200;
+    expect_like_reference(state, kWays, 1 << 16, 0.02, 0.01);
+}
+
+TEST(SecondBounce, OfACurvedMirrorIsThatOfTheReference) {
+    scene::Object ball;
+    ball.name = "ball";
+    ball.shape = scene::Shape::sphere;
+    ball.radius = 0.5;
+    ball.transform.position = {0, -kBottom - 0.3, 0};
+    scene::FrameState state = dock(ball);
+    state.clip.width = state.clip.height = 12;
+    expect_like_reference(state, {kWays[0], kWays[2]}, 1 << 18, 0.02, 0.025);
+    // Beside rays that miss the ball its cells are laid as if their rays were parallel: 3 % of the light at 2
+    // cm.
+    state.caustics.map.map_resolution = 400;
+    expect_like_reference(state, {kWays[4]}, 1 << 18, 0.02, 0.025);
+}
+
+}  // namespace
+}  // namespace dapple
