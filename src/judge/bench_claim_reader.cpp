@@ -62,6 +62,13 @@ std::string flow_text(const LocatedNode& node) {
     return text;
 }
 
+/// Path of a key.
+std::string below(const std::string& path, const std::string& key) {
+    std::string inner = path;
+    if (!path.empty()) inner += ".";
+    return inner += key;
+}
+
 /// Reads the tree of one file; goes on after a fault, so that all are found.
 class Reader {
 public:
@@ -122,14 +129,14 @@ private:
         if (!expect(node, path, Kind::map, "a map")) return;
         std::vector<std::string_view> names;
         for (const Key& key : keys) names.push_back(key.name);
-        for (const auto& [name, value] : node.entries) {
-            const std::string inner = path.empty() ? name : path + "." + name;
+        for (const LocatedNode::Entry& entry : node.entries) {
+            const std::string inner = below(path, entry.key);
             const auto known =
-                std::find_if(keys.begin(), keys.end(), [&](const Key& key) { return key.name == name; });
+                std::find_if(keys.begin(), keys.end(), [&](const Key& key) { return key.name == entry.key; });
             if (known == keys.end())
-                faults_.add(value.key_place, inner, "unknown key" + suggestion(name, names));
+                faults_.add(entry.value.key_place, inner, "unknown key" + suggestion(entry.key, names));
             else
-                known->read(value, inner);
+                known->read(entry.value, inner);
         }
         for (const std::string_view name : required)
             if (node.find(name) == nullptr) fault(node, path, "the key " + in_quotes(name) + " is missing");
@@ -185,7 +192,7 @@ private:
     void runs(const LocatedNode& node, const std::string& path) {
         if (!expect(node, path, Kind::map, "a map of runs by name")) return;
         for (const auto& [name, value] : node.entries) {
-            const std::string inner = path + "." + name;
+            const std::string inner = below(path, name);
             if (!std::all_of(name.begin(), name.end(), is_plain) ||
                 name.find_first_of("/ ") != std::string::npos)
                 fault(value, inner, "a run's name is that of a folder: letters, digits, '_', '-' and '.'");
@@ -200,7 +207,7 @@ private:
         for (const auto& [name, value] : node.entries) {
             ClaimRegion region{name};
             each(
-                value, path + "." + name,
+                value, below(path, name),
                 {{"farther_than",
                   [&](auto& n, auto& p) { region.nearest = number(n, p, Dimension::length, 0, kInfinity); }},
                  {"nearer_than",
@@ -315,7 +322,7 @@ private:
     }
 
     std::string region(const LocatedNode& node, const std::string& path) {
-        const std::string name = text(node, path);
+        std::string name = text(node, path);
         std::vector<std::string_view> known;
         for (const ClaimRegion& region : claim_.regions) known.push_back(region.name);
         if (std::find(known.begin(), known.end(), name) == known.end())

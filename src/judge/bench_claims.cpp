@@ -30,7 +30,8 @@ ErrorJudge::Pixels pixels_of(const ClaimRegion& region, const run::OutputPaths& 
         for (std::size_t i = 0; i < pixels.size(); ++i) {
             const auto width = static_cast<std::size_t>(image.width);
             const double x = (static_cast<double>(i % width) + 0.5) / image.width;
-            const double y = (static_cast<double>(i / width) + 0.5) / image.height;
+            const std::size_t row = i / width;
+            const double y = (static_cast<double>(row) + 0.5) / image.height;
             const auto z = static_cast<double>(depth->values[i]);
             pixels[i] = z >= region.nearest && z <= region.farthest && x >= region.box[0] &&
                         y >= region.box[1] && x <= region.box[2] && y <= region.box[3];
@@ -257,7 +258,7 @@ void check_runs(const Claim& claim) {
     std::optional<scene::Clip> reference;
     const auto check = [&](const ClaimRun& run) {
         try {
-            const scene::Clip clip = timeline::Timeline::load(claim.timeline, run.overrides).clip();
+            scene::Clip clip = timeline::Timeline::load(claim.timeline, run.overrides).clip();
             if (run.name == kClaimReference) reference = clip;
             return clip;
         } catch (const timeline::TimelineError& error) {
