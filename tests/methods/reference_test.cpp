@@ -133,32 +133,42 @@ TEST(Reference, SumOfSinesIsThatOfTheSea) {
 }
 
 TEST(Reference, PatchesOfASeaAreNearlyExact) {
-    scene::FrameState state = small_pool(1, 1, 1, 1);
-    state.water->extent.size = {6, 4};
-    state.water->surface.type = scene::WaterSurfaceType::spectrum;
-    state.water->surface.spectrum.cutoff_length = 0.5;
-    state.time = 3;
-    scene::FrameScene scene;
-    scene.state = state;
-    const reference::TrueSurface surface(scene);
-    const ocean::WaterSurface sea(*state.water);
-    double largest = 0, height_error = 0, largest_slope = 0, slope_error = 0;
-    for (int i = 0; i < 300; ++i) {
-        const double x = 6 * hash_uniform(1, 0, static_cast<std::uint64_t>(i), 0) - 3;
-        const double z = 4 * hash_uniform(1, 0, static_cast<std::uint64_t>(i), 1) - 2;
-        double h = 0, sx = 0, sz = 0;
-        surface.evaluate({&x, 1}, {&z, 1}, {&h, 1}, {&sx, 1}, {&sz, 1});
-        const ocean::SurfaceSample exact = sea.sample(x, z, 3);
-        largest = std::max(largest, std::abs(exact.height));
-        largest_slope = std::max(largest_slope, length(exact.slope));
-        height_error = std::max(height_error, std::abs(h - exact.height));
-        slope_error = std::max(slope_error, length(glm::dvec2(sx, sz) - exact.slope));
-        EXPECT_LT(length(exact.slope), surface.steepest());
+    // Over 6 by 4 m; and repeated so over 30 by 20 m, with rings, which leave none of its waves out.
+    for (const double periods : {1.0, 5.0}) {
+        scene::FrameState state = small_pool(1, 1, 1, 1);
+        const glm::dvec2 size = periods * glm::dvec2(6, 4);
+        state.water->extent.size = size;
+        state.water->surface.type = scene::WaterSurfaceType::spectrum;
+        state.water->surface.spectrum.cutoff_length = 0.5;
+        if (periods > 1) {
+            state.water->surface.spectrum.period = 5;
+            state.water->rings.inner_size = 5;
+        }
+        state.time = 3;
+        scene::FrameScene scene;
+        scene.state = state;
+        const reference::TrueSurface surface(scene);
+        const ocean::WaterSurface sea(*state.water);
+        double largest = 0, height_error = 0, largest_slope = 0, slope_error = 0;
+        for (int i = 0; i < 300; ++i) {
+            const double x = size.x * (hash_uniform(1, 0, static_cast<std::uint64_t>(i), 0) - 0.5);
+            const double z = size.y * (hash_uniform(1, 0, static_cast<std::uint64_t>(i), 1) - 0.5);
+            double h = 0, sx = 0, sz = 0;
+            surface.evaluate({&x, 1}, {&z, 1}, {&h, 1}, {&sx, 1}, {&sz, 1});
+            const ocean::SurfaceSample exact = sea.sample(x, z, 3);
+            largest = std::max(largest, std::abs(exact.height));
+            largest_slope = std::max(largest_slope, length(exact.slope));
+            height_error = std::max(height_error, std::abs(h - exact.height));
+            slope_error = std::max(slope_error, length(glm::dvec2(sx, sz) - exact.slope));
+            EXPECT_LT(length(exact.slope), surface.steepest());
+        }
+        printf("height %.1e of %.1e, slope %.1e of %.1e\n", height_error, largest, slope_error,
+               largest_slope);
+        // 100 cells a shortest wave: (k cell)^4 / 384 = 4e-8 and (k cell)^3 / 125 = 2e-6 of its own share.
+        EXPECT_LT(height_error, 1e-7 * largest);
+        EXPECT_LT(slope_error, 2e-6 * largest_slope);
+        EXPECT_GT(reference::surface_bytes(*state.water), 1200 * 800 * 4 * 8.0);
     }
-    printf("height %.1e of %.1e, slope %.1e of %.1e\n", height_error, largest, slope_error, largest_slope);
-    // 100 cells a shortest wave: (k cell)^4 / 384 = 4e-8 and (k cell)^3 / 125 = 2e-6 of its own share.
-    EXPECT_LT(height_error, 1e-7 * largest);
-    EXPECT_LT(slope_error, 2e-6 * largest_slope);
 }
 
 TEST(Reference, ChartsOfSpheresHaveTheirAreas) {

@@ -15,6 +15,8 @@ namespace {
 /// Cells a shortest wave and triangles at most of the meshes that are made here.
 constexpr double kCellsPerWave = 100;
 constexpr double kMostTriangles = 4e6;
+/// Of the patches of a sea that repeats, which make no mesh, in triangles too.
+constexpr double kMostOfPeriod = 16e6;
 
 /// Weights of value and derivative (times the cell) at both ends of a cubic Hermite segment, at t in [0, 1].
 struct Hermite {
@@ -34,34 +36,53 @@ struct Hermite {
 struct CellPlace {
     int index;
     double t;
-    CellPlace(double coordinate, double corner, double cell, int points) {
-        const double place = (coordinate - corner) / cell;
+    CellPlace(double coordinate, double corner, double cell, int points, bool repeats) {
+        double place = (coordinate - corner) / cell;
+        if (repeats) place -= (points - 1) * std::floor(place / (points - 1));
         index = std::clamp(static_cast<int>(std::floor(place)), 0, points - 2);
         t = place - index;
     }
 };
 
 /// The water with a finer grid, where the frame's is coarser; without rings, which leave out waves.
-scene::Water refined(const scene::Water& water) {
+scene::Water refined(const scene::Water& water, double most_triangles = kMostTriangles) {
     scene::Water finer = water;
     finer.rings = {};
     const ocean::GridSize size = ocean::grid_size(finer);
     if (!(size.cells_per_shortest_wave > 0)) return finer;
     const double wanted = kCellsPerWave / size.cells_per_shortest_wave;
-    const double allowed = std::sqrt(kMostTriangles / static_cast<double>(size.triangles()));
+    const double allowed = std::sqrt(most_triangles / static_cast<double>(size.triangles()));
     const double factor = std::min(wanted, allowed);
     if (factor > 1) finer.mesh_cells = static_cast<int>(std::lround(factor * size.cells_x));
     return finer;
 }
 
-PatchedSea patched_sea(const scene::Water& water, double time) {
-    const ocean::WaterSurface surface(refined(water));
+bool repeats_within(const scene::Water& water) {
+    return ocean::periods_across(water) != glm::ivec2(1);
+}
+
+/// Water of its own over the first period of a spectrum, with the same waves at the same places.
+scene::Water patch_water(const scene::Water& water) {
+    if (!repeats_within(water)) return refined(water);
+    scene::Water one = water;
+    const glm::dvec2 corner = water.extent.center - 0.5 * water.extent.size;
+    one.extent.size = water.extent.size / glm::dvec2(ocean::periods_across(water));
+    one.extent.center = corner + 0.5 * one.extent.size;
+    one.surface.spectrum.period = 0;
+    one.mesh_cells = 0;
+    return refined(one, kMostOfPeriod);
+}
+
+PatchedSea patched_sea(const scene::Water& all, double time) {
+    const scene::Water water = patch_water(all);
+    const ocean::WaterSurface surface(water);
     const ocean::GridSize size = surface.size();
     ocean::SurfaceGrid grid =
         surface.grid(time, ocean::kHeight | ocean::kSlope | ocean::field_bit(ocean::Field::second_xz));
     PatchedSea sea;
     sea.columns = grid.columns;
     sea.rows = grid.rows;
+    sea.repeats = repeats_within(all);
     sea.corner = water.extent.center - 0.5 * water.extent.size;
     sea.cell = water.extent.size / glm::dvec2(size.cells_x, size.cells_z);
     sea.height = std::move(grid[ocean::Field::height]);
@@ -77,16 +98,23 @@ double surface_bytes(const scene::Water& water) {
     if (water.surface.type == scene::WaterSurfaceType::mesh_sequence || ocean::is_flat(water.surface))
         return 0;
     const ocean::GridSize size = ocean::grid_size(refined(water));
+    double patches = 0;
+    if (repeats_within(water)) {
+        // Four fields, and what they are made from.
+        const ocean::MeshCounts counts = ocean::mesh_counts(patch_water(water));
+        patches = static_cast<double>(counts.vertices) * 4 * sizeof(double) +
+                  static_cast<double>(counts.spectrum_bytes);
+    }
     // Positions, normals and what they are made from; indices and Embree's tree (70 bytes, measured).
-    return static_cast<double>(size.vertices()) * (2 * sizeof(glm::dvec3) + 8 * sizeof(double)) +
+    return patches + static_cast<double>(size.vertices()) * (2 * sizeof(glm::dvec3) + 8 * sizeof(double)) +
            static_cast<double>(size.triangles()) * (sizeof(glm::uvec3) + 70);
 }
 
 void PatchedSea::evaluate(std::span<const double> x, std::span<const double> z, std::span<double> out_height,
                           std::span<double> out_slope_x, std::span<double> out_slope_z) const {
     for (std::size_t i = 0; i < x.size(); ++i) {
-        const CellPlace across(x[i], corner.x, cell.x, columns);
-        const CellPlace along(z[i], corner.y, cell.y, rows);
+        const CellPlace across(x[i], corner.x, cell.x, columns, repeats);
+        const CellPlace along(z[i], corner.y, cell.y, rows, repeats);
         const Hermite u = Hermite::at(across.t), du = Hermite::slope_at(across.t);
         const Hermite v = Hermite::at(along.t), dv = Hermite::slope_at(along.t);
         double h = 0, hx = 0, hz = 0;
@@ -132,7 +160,7 @@ TrueSurface::TrueSurface(const scene::FrameScene& scene)
         steepest_ *= 1.1;
     } else {
         triangles_ =
-            spectrum
+            spectrum && !ocean::has_rings(water_)
                 ? std::make_shared<const scene::WaterMesh>(ocean::WaterSurface(refined(water_)).mesh(time_))
                 : scene.water;
         steepest_ = std::numeric_limits<double>::infinity();

@@ -11,11 +11,12 @@
 
 namespace dapple::reference {
 
-/// A sea known by height, slopes and mixed second derivative at the points of a grid, in between by cubic
-/// Hermite patches: exact to fourth order in the cell (1e-5 of a wave's height at 25 cells a wave), with
-/// slopes that are those of the very surface.
+/// A sea known by height, slopes and mixed second derivative at the points of a grid over one period, in
+/// between by cubic Hermite patches: exact to fourth order in the cell (1e-5 of a wave's height at 25 cells a
+/// wave), with slopes that are those of the very surface.
 struct PatchedSea {
     int columns = 0, rows = 0;  ///< points along x and z
+    bool repeats = false;       ///< beyond the grid; else its edge patches go on there
     glm::dvec2 corner{0}, cell{1};
     std::vector<double> height, slope_x, slope_z, mixed;
 
@@ -24,8 +25,8 @@ struct PatchedSea {
 };
 
 /// The water of a frame as the reference sees it, in world space. `waves` are the analytic sum; an unchoppy
-/// spectrum is a PatchedSea; choppy spectra (on a finer grid than the frame's) and mesh sequences are their
-/// triangles, with interpolated normals.
+/// spectrum is a PatchedSea; choppy spectra (on a finer grid than the frame's, but for rings, which are the
+/// frame's) and mesh sequences are their triangles, with interpolated normals.
 class TrueSurface {
 public:
     explicit TrueSurface(const scene::FrameScene& scene);
