@@ -7,9 +7,9 @@ namespace {
 
 /// Of the distance between two points of a surface, by how much the plane at one of them may miss the other.
 constexpr double kSmooth = 0.25;
-/// Of the change of depth along an edge, what a jump in it has at least. Of the change before an outline a
-/// millionth of the edge has a thousandth.
-constexpr double kOfChange = 0.1;
+/// Of the distance between the ends of an edge, what a jump in it has at least. Before an outline a millionth
+/// of the edge has a thousandth of the change of depth.
+constexpr double kOfEdge = 0.1;
 
 /// m: along a ray, from the point that it meets to the plane in which another ray meets the surface.
 double miss(const glm::dvec3& direction, const VertexPaths& met, const VertexPaths& plane) {
@@ -41,7 +41,8 @@ std::vector<std::optional<RayEdge>> surface_jumps(const PathTracer& tracer, Trac
     const std::vector<RayEdge> found = halve(tracer, rays, edges, nearer_first);
     std::vector<std::optional<RayEdge>> jumps(edges.size());
     for (std::size_t i = 0; i < edges.size(); ++i)
-        if (change(found[i][0], found[i][1]) > kOfChange * change(edges[i][0], edges[i][1]))
+        if (change(found[i][0], found[i][1]) >
+            kOfEdge * glm::distance(rays.paths[edges[i][0]].position, rays.paths[edges[i][1]].position))
             jumps[i] = found[i];
     return jumps;
 }
