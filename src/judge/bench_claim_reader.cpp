@@ -128,6 +128,7 @@ private:
               const std::vector<std::string_view>& required) {
         if (!expect(node, path, Kind::map, "a map")) return;
         std::vector<std::string_view> names;
+        names.reserve(keys.size());
         for (const Key& key : keys) names.push_back(key.name);
         for (const LocatedNode::Entry& entry : node.entries) {
             const std::string inner = below(path, entry.key);
