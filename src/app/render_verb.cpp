@@ -14,6 +14,7 @@
 #include "app/verbs.h"
 #include "base/parallel.h"
 #include "run/frame_loop.h"
+#include "run/manifest.h"
 #include "run/memory_budget.h"
 #include "run/output_paths.h"
 #include "run/timeline_source.h"
@@ -73,6 +74,16 @@ std::string free_space(std::filesystem::path folder) {
     return run::format_bytes(static_cast<double>(disk.f_bavail) * static_cast<double>(disk.f_frsize));
 }
 
+/// Settings for caustics.target_error: those of the folder's manifest where that is this job's, else chosen
+/// by the pilot frames.
+void settle(const timeline::Timeline& timeline, const gpu::Device& device, run::TimelineSource& source,
+            const run::LoopOptions& options, const run::Interruption& interruption) {
+    if (!timeline.gives("caustics.target_error")) return;
+    const run::OutputPaths paths(options.folder, timeline.clip().name);
+    source.settle(run::known_settings(paths.manifest(), job_of(timeline, device, source)), options.max_memory,
+                  [&] { return interruption.requested(); });
+}
+
 void print_dry_run(const run::TimelineSource& source, const scene::Clip& clip,
                    const run::LoopOptions& options) {
     const run::OutputPaths paths(options.folder, clip.name);
@@ -85,6 +96,10 @@ void print_dry_run(const run::TimelineSource& source, const scene::Clip& clip,
     const double disk = run::largest_frame_bytes(clip) * static_cast<double>(options.frames.frames().size());
     std::printf("%zu frames (%s) of %dx%d\n", options.frames.frames().size(),
                 to_string(options.frames).c_str(), clip.width, clip.height);
+    if (source.settled()) {
+        const render::PlanLine line = source.settled_line();
+        std::printf("%s: %s\n", line.pass.c_str(), line.reason.c_str());
+    }
     std::printf("memory: about %s a frame, of %s allowed\n",
                 run::format_bytes(static_cast<double>(memory)).c_str(),
                 run::format_bytes(static_cast<double>(options.max_memory)).c_str());
@@ -133,6 +148,7 @@ ExitCode render(const Arguments& arguments) {
     gpu::Device device({.name = arguments.device, .threads = arguments.threads});
     run::TimelineSource source(timeline, device);
     source.limit_memory(options.max_memory);
+    settle(timeline, device, source, options, interruption);
     if (arguments.plan) {
         print_plan(source, options.frames);
         return ExitCode::done;
@@ -146,6 +162,11 @@ ExitCode render(const Arguments& arguments) {
     run::Reporter reporter(arguments.log_json);
     if (options.frames.duplicates() > 0) {
         reporter.note(std::to_string(options.frames.duplicates()) + " repeated frames are rendered once");
+    }
+    if (source.settled()) {
+        const render::PlanLine line = source.settled_line();
+        const std::string text = line.pass + ": " + line.reason;
+        source.settled()->reached() ? reporter.note(text) : reporter.warning(text);
     }
     const auto outside = std::count_if(
         options.frames.frames().begin(), options.frames.frames().end(),

@@ -18,6 +18,7 @@
 #include "render/irradiance_pass.h"
 #include "render/plan.h"
 #include "render/segment_lattice.h"
+#include "render/settle.h"
 #include "render/shading.h"
 #include "render/volumetric_light.h"
 #include "scene/area_light.h"
@@ -320,6 +321,14 @@ RenderedFrame FrameRenderer::render(const scene::FrameState& state, FrameStats& 
                                     const methods::Checkpoint& checkpoint) {
     state_->share_memory(state);
     return FramePasses(state_->kept, state, stats, checkpoint).run();
+}
+
+SettledCaustics FrameRenderer::settle(const SettleRequest& request) {
+    state_->share_memory(request.pilots.front());
+    SettleRequest with_memory = request;
+    with_memory.memory = [this](const scene::FrameState& state) { return bytes(state); };
+    return render::settle(with_memory, state_->kept.builder,
+                          state_->kept.method(request.pilots.front().caustics.method), state_->kept.device);
 }
 
 void FrameRenderer::limit_memory(std::size_t most_bytes) {

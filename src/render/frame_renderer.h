@@ -26,6 +26,9 @@ struct NonFinite {
     std::string first;  ///< "channel x,y", empty where count is 0
 };
 
+struct SettleRequest;
+struct SettledCaustics;
+
 struct RenderedFrame {
     image::Image linear;  ///< the layers of CONVENTIONS.md, float, scene-linear
     NonFinite non_finite;
@@ -46,6 +49,8 @@ public:
     /// `checkpoint` is the method's; what it throws on a stop, Error(interrupted), passes through.
     RenderedFrame render(const scene::FrameState& state, FrameStats& stats,
                          const methods::Checkpoint& checkpoint = {});
+    /// See settle.h; the memory of pilots is that of frames.
+    SettledCaustics settle(const SettleRequest& request);
     /// Estimated peak memory of a frame in bytes, without loading anything large. Grids count as much as
     /// their files say: Error(input_unreadable) where one cannot be read.
     std::size_t bytes(const scene::FrameState& state) const;

@@ -121,6 +121,7 @@ private:
         manifest_.clip = job_.clip;
         manifest_.parts = job_.parts;
         manifest_.provenance = job_.provenance;
+        manifest_.settled = job_.settled;
         if (options_.existing == Existing::error) refuse_existing_frames();
     }
 

@@ -1,8 +1,10 @@
 #pragma once
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "render/settled_caustics.h"
 #include "scene/frame_state.h"
 
 namespace dapple::run {
@@ -17,6 +19,8 @@ struct Job {
     NamedTexts parts;
     /// How it was made (versions, device, colour): for the reader of the manifest, not compared.
     NamedTexts provenance;
+    /// Chosen for caustics.target_error, which follows from the parts.
+    std::optional<render::SettledCaustics> settled;
 
     std::string hash() const;
 };

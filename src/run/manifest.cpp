@@ -48,6 +48,36 @@ FrameEntry frame_from(const Json& json) {
             json.at("non_finite").get<std::size_t>(), json.at("partly").get<std::vector<std::string>>()};
 }
 
+Json to_json(const render::SettledCaustics& settled) {
+    Json pilots = Json::array();
+    for (const render::PilotError& pilot : settled.pilots)
+        pilots.push_back({{"frame", pilot.frame},
+                          {"error", pilot.error},
+                          {"by_mesh", pilot.by_mesh},
+                          {"by_pixels", pilot.by_pixels}});
+    return {{"target_error", settled.target},
+            {"map_resolution", settled.map_resolution},
+            {"footprint", static_cast<int>(settled.footprint)},
+            {"denoise_passes", settled.denoise_passes},
+            {"pilots", std::move(pilots)},
+            {"finest_tried", settled.finest_tried},
+            {"most_memory", settled.most_memory}};
+}
+
+render::SettledCaustics settled_from(const Json& json) {
+    render::SettledCaustics settled;
+    settled.target = json.at("target_error").get<double>();
+    settled.map_resolution = json.at("map_resolution").get<int>();
+    settled.footprint = static_cast<scene::PhotonFootprint>(json.at("footprint").get<int>());
+    settled.denoise_passes = json.at("denoise_passes").get<int>();
+    for (const Json& pilot : json.at("pilots"))
+        settled.pilots.push_back({pilot.at("frame").get<std::int64_t>(), pilot.at("error").get<double>(),
+                                  pilot.at("by_mesh").get<double>(), pilot.at("by_pixels").get<double>()});
+    settled.finest_tried = json.at("finest_tried").get<int>();
+    settled.most_memory = json.at("most_memory").get<std::uint64_t>();
+    return settled;
+}
+
 std::int64_t number_from(const std::string& text) {
     std::int64_t number = 0;
     const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), number);
@@ -63,6 +93,7 @@ Manifest manifest_from(const Json& json) {
     manifest.job_hash = json.at("job").get<std::string>();
     manifest.parts = texts_from(json.at("made_of"));
     manifest.provenance = texts_from(json.at("made_with"));
+    if (json.contains("settled")) manifest.settled = settled_from(json.at("settled"));
     const Json& clip = json.at("clip");
     manifest.clip.name = clip.at("name").get<std::string>();
     manifest.clip.fps = {clip.at("fps").at(0).get<std::int64_t>(), clip.at("fps").at(1).get<std::int64_t>()};
@@ -96,6 +127,16 @@ std::optional<Manifest> read_manifest(const std::string& path) {
     }
 }
 
+std::optional<render::SettledCaustics> known_settings(const std::string& path, const Job& job) {
+    try {
+        const std::optional<Manifest> manifest = read_manifest(path);
+        if (manifest && manifest->job_hash == job.hash()) return manifest->settled;
+    } catch (const Error&) {
+        // The frame loop says what is wrong with it.
+    }
+    return std::nullopt;
+}
+
 void write_manifest(const std::string& path, const Manifest& manifest) {
     const scene::Clip& clip = manifest.clip;
     Json frames = Json::object();
@@ -110,6 +151,7 @@ void write_manifest(const std::string& path, const Manifest& manifest) {
                    {"frames", {clip.first_frame, clip.last_frame}},
                    {"size", {clip.width, clip.height}}}},
                  {"frames", std::move(frames)}};
+    if (manifest.settled) json["settled"] = to_json(*manifest.settled);
     if (manifest.preview) {
         json["preview"] = to_json(manifest.preview->file);
         json["preview"]["source"] = manifest.preview->source_hash;

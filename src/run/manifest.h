@@ -31,6 +31,7 @@ struct Manifest {
     scene::Clip clip;
     NamedTexts parts;
     NamedTexts provenance;
+    std::optional<render::SettledCaustics> settled;  ///< so that a resumed run need not choose again
     std::map<std::int64_t, FrameEntry> frames;
     std::optional<PreviewEntry> preview;
 };
@@ -38,6 +39,10 @@ struct Manifest {
 /// Nothing where there is no file. Throws Error(usage) for a file that is no manifest: whose frames these are
 /// cannot be said then.
 std::optional<Manifest> read_manifest(const std::string& path);
+
+/// The settings in the manifest, where it is of this job: they follow from it. Nothing where it is not, or
+/// cannot be read.
+std::optional<render::SettledCaustics> known_settings(const std::string& path, const Job& job);
 
 /// Replaces the file atomically. Throws Error(output_unwritable).
 void write_manifest(const std::string& path, const Manifest& manifest);

@@ -5,6 +5,7 @@
 #include "base/hash.h"
 #include "rays/ray_scene.h"
 #include "render/film.h"
+#include "render/settle.h"
 
 namespace dapple::run {
 namespace {
@@ -34,14 +35,58 @@ TimelineSource::TimelineSource(const timeline::Timeline& timeline, gpu::Device& 
       grader_(view_settings(timeline.at(timeline.clip().first_frame).output)),
       fingerprint_hash_(content_hash(timeline.fingerprint())) {}
 
+scene::FrameState TimelineSource::state(std::int64_t frame) const {
+    scene::FrameState state = timeline_.at(frame);
+    if (settled_) render::apply(*settled_, state.caustics);
+    return state;
+}
+
+void TimelineSource::tell_settled(std::vector<render::PlanLine>& lines) const {
+    if (!settled_) return;
+    const auto method = std::find_if(lines.begin(), lines.end(), [](const render::PlanLine& line) {
+        return line.pass.starts_with("caustics: ");
+    });
+    lines.insert(method == lines.end() ? method : method + 1, settled_line());
+}
+
+render::PlanLine TimelineSource::settled_line() const {
+    return render::plan_line(*settled_, timeline_.at(timeline_.clip().first_frame).caustics);
+}
+
+void TimelineSource::settle(const std::optional<render::SettledCaustics>& known, std::uint64_t most_memory,
+                            const std::function<bool()>& stop) {
+    const scene::Clip& clip = timeline_.clip();
+    if (timeline_.at(clip.first_frame).caustics.target_error == 0) return;
+    settled_ = known;
+    if (known) return;
+    render::SettleRequest request;
+    for (const std::int64_t frame : render::pilot_frames(clip)) request.pilots.push_back(timeline_.at(frame));
+    const scene::Caustics& caustics = request.pilots.front().caustics;
+    request.choose_footprint =
+        caustics.method == "photon_splatting" && !timeline_.gives("caustics.footprint");
+    request.choose_passes =
+        caustics.denoise.filter != scene::DenoiseFilter::none && !timeline_.gives("caustics.denoise.passes");
+    request.most_memory = most_memory;
+    request.stop = stop;
+    settled_ = renderer_.settle(request);
+}
+
 std::vector<render::PlanLine> TimelineSource::plan(std::int64_t frame) {
-    return renderer_.plan(timeline_.at(frame));
+    std::vector<render::PlanLine> lines = renderer_.plan(state(frame));
+    tell_settled(lines);
+    return lines;
 }
 
 SourceFrame TimelineSource::render(std::int64_t frame, FrameStats& stats,
                                    const methods::Checkpoint& checkpoint) {
-    const scene::FrameState state = timeline_.at(frame);
+    const scene::FrameState state = this->state(frame);
     render::RenderedFrame rendered = renderer_.render(state, stats, checkpoint);
+    tell_settled(rendered.plan);
+    if (settled_) {
+        stats.count("settled map_resolution", settled_->map_resolution);
+        for (const render::PilotError& pilot : settled_->pilots)
+            stats.count("estimated error, frame " + std::to_string(pilot.frame), pilot.error);
+    }
     SourceFrame result{
         std::move(rendered.linear), {}, std::move(rendered.non_finite), std::move(rendered.plan)};
     const ScopedPass pass(stats, "grade");
@@ -64,7 +109,7 @@ SourceFrame TimelineSource::render(std::int64_t frame, FrameStats& stats,
 }
 
 std::size_t TimelineSource::bytes(std::int64_t frame) const {
-    const scene::FrameState state = timeline_.at(frame);
+    const scene::FrameState state = this->state(frame);
     // Writing holds the picture four times (itself, encoded, read back, decoded), when the rendering's own
     // memory is free again: its float channels and the graded picture. In double, which no size overflows.
     const double pixels = static_cast<double>(state.clip.width) * static_cast<double>(state.clip.height);
@@ -75,7 +120,8 @@ std::size_t TimelineSource::bytes(std::int64_t frame) const {
     constexpr std::size_t kProgram = 100 << 20;
     // Luminance of three frames, for the figures in time.
     const auto kept = static_cast<std::size_t>(std::min(pixels * 3 * sizeof(float), 0x1p62));
-    return kProgram + kept + std::max(renderer_.bytes(state), static_cast<std::size_t>(writing));
+    const std::size_t settling = settled_ ? settled_->most_memory : 0;
+    return kProgram + kept + std::max({renderer_.bytes(state), static_cast<std::size_t>(writing), settling});
 }
 
 image::ExrOptions TimelineSource::linear_exr() const {
@@ -131,6 +177,12 @@ Job job_of(const timeline::Timeline& timeline, const gpu::Device& device, const 
                  {"colour config", color_identity(source.grader())},
                  {"program", program_identity()},
                  {"device type", to_string(device.info().type)}};
+    if (timeline.at(job.clip.first_frame).caustics.target_error > 0) {
+        std::string pilots;
+        for (const std::int64_t frame : render::pilot_frames(job.clip)) pilots += std::to_string(frame) + " ";
+        job.parts.emplace_back("pilot frames", pilots);
+    }
+    job.settled = source.settled();
     job.provenance = {{"device", device.info().name},
                       {"driver", device.info().driver},
                       {"vulkan", device.info().api_version}};

@@ -232,6 +232,9 @@ struct Caustics {
     VolumeResolution volume_resolution = VolumeResolution::full;
     BufferScale buffer_scale = BufferScale::full;
     Denoise denoise;
+    /// Relative L1 of E over the pixels of a picture that settings of the maps are chosen for; 0: they stand
+    /// as they are.
+    double target_error = 0;
     SlicedBeamsParameters sliced_beams;
     AdaptiveBeamsParameters adaptive_beams;
     ReferenceParameters reference;

@@ -289,6 +289,15 @@ const Structure& caustics_schema() {
             structure<&Caustics::denoise>("denoise", denoise_schema(),
                                           "a filter over caustics on surfaces, not over their textures")
                 .only_for(kAllButReference),
+            number<&Caustics::target_error>(
+                "target_error", Dimension::number,
+                "relative L1 of E over the picture that map_resolution is chosen for, and what of footprint "
+                "and "
+                "denoise.passes is not given; estimated in the clip's first, middle and last frame")
+                .within(1e-3, 0.5)
+                .no_default()
+                .constant()
+                .only_for(kMapMethods),
             integral<map, &CausticMapParameters::map_resolution>(
                 "map_resolution", FieldKind::integer,
                 "photons along each side of a cascade's box; of one map over all the water: along its longer "

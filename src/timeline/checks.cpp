@@ -179,6 +179,24 @@ private:
         if (caustics.map.second_bounce && caustics.map.paper_faithful)
             fault("caustics.second_bounce", "is of neither paper; leave out paper_faithful");
         check_cascades(caustics.map);
+        if (caustics.target_error > 0) check_target_error(caustics);
+    }
+
+    void check_target_error(const scene::Caustics& caustics) {
+        const std::string target = "caustics.target_error";
+        for (const char* chosen :
+             {"caustics.map_resolution", "caustics.map_precision", "caustics.cascade_maps"}) {
+            if (program_.given.count(chosen) > 0)
+                fault(chosen, "is what " + target + " chooses; give one of them");
+        }
+        if (caustics.map.paper_faithful)
+            fault(target,
+                  "cannot be reached by what the papers do, which comes to another light; leave out "
+                  "paper_faithful");
+        if (caustics.photon_splatting.footprint == scene::PhotonFootprint::point)
+            fault(target,
+                  "cannot be reached by points, whose noise more photons do not end; take another "
+                  "footprint");
     }
 
     void check_cascades(const scene::CausticMapParameters& map) {

@@ -85,6 +85,9 @@ const scene::Clip& Timeline::clip() const {
 scene::FrameState Timeline::at(std::int64_t frame) const {
     return evaluate(state_->program, frame);
 }
+bool Timeline::gives(const std::string& key_path) const {
+    return state_->program.given.count(key_path) > 0;
+}
 std::string Timeline::fingerprint() const {
     return timeline::fingerprint(state_->program, state_->folder);
 }

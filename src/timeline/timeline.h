@@ -57,6 +57,8 @@ public:
     const scene::Clip& clip() const;
     /// The state of one frame, also outside the clip's range (curves hold). Pure.
     scene::FrameState at(std::int64_t frame) const;
+    /// Whether the timeline holds a key ("caustics.footprint"), rather than leave it to its default.
+    bool gives(const std::string& key_path) const;
     /// All that decides the pictures, in a normal form in which comments, order of keys and ways of writing
     /// numbers do not show: equal text, equal clip. The last frame is left out: a clip made longer keeps its
     /// frames. The first one is in, because it sets the clock. Paths are relative to the timeline's folder.

@@ -268,6 +268,8 @@ TEST(Timeline, EachCausticMethodHasItsKeys) {
             .photon_splatting;
     EXPECT_EQ(photons.footprint, scene::PhotonFootprint::photon_difference);
     EXPECT_EQ(photons.footprint_scale, 1.5);
+    EXPECT_EQ(caustics("method: caustic_mesh, target_error: 2 %").target_error, 0.02);
+    EXPECT_EQ(caustics("method: caustic_mesh").target_error, 0);
     EXPECT_EQ(caustics("").method, scene::Caustics().method);
     for (const char* wrong :
          {"method: magic",
@@ -290,6 +292,16 @@ TEST(Timeline, EachCausticMethodHasItsKeys) {
           "method: photon_splatting, map_precision: 1 cm, map_resolution: 512",
           "method: photon_splatting, map_precision: 1 cm, cascade_maps: [{resolution: 512}]",
           "method: photon_splatting, map_resolution: 512, cascade_maps: [{resolution: 512}]",
+          "method: sliced_beams, target_error: 2 %",
+          "method: reference, target_error: 2 %",
+          "method: caustic_mesh, target_error: 0",
+          "method: caustic_mesh, target_error: 60 %",
+          "method: caustic_mesh, target_error: 2 cm",
+          "method: caustic_mesh, target_error: 2 %, map_resolution: 512",
+          "method: caustic_mesh, target_error: 2 %, map_precision: 1 cm",
+          "method: caustic_mesh, target_error: 2 %, cascade_maps: [{resolution: 512}]",
+          "method: caustic_mesh, target_error: 2 %, paper_faithful: true",
+          "method: photon_splatting, target_error: 2 %, footprint: point",
           "method: reference, buffer_scale: half",
           "method: reference, denoise: {filter: fixed}",
           "method: reference, standard_error: 0",
