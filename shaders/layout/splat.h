@@ -1,5 +1,6 @@
-// One photon's splat, written by the host (eight at once: methods/photon_splatting/splat_builder.cpp counts on the order) and read by photon_splatting/splat*.vert. Positions and vectors are
-// relative to the frame's origin.
+// One photon's splat, written by the host (eight at once: methods/photon_splatting/splat_builder.cpp counts
+// on the order) and read by photon_splatting/splat*.vert. Positions and vectors are relative to the frame's
+// origin.
 #ifndef DAPPLE_LAYOUT_SPLAT
 #define DAPPLE_LAYOUT_SPLAT
 #include "layout/types.h"

@@ -57,13 +57,13 @@ inline Lanes<Real> square_root(Lanes<Real> x) {
     else
         return reinterpret_cast<Lanes<Real>>(_mm256_sqrt_pd(reinterpret_cast<__m256d>(x)));
 }
-/// x^(-1/2); in float within 3 ulp: an estimate of 12 bits and a step of Newton's.
+/// x^(-1/2). Not by the instruction that estimates it, of which every maker of processors has bits of its
+/// own.
 inline Lanes<float> inverse_root(Lanes<float> x) {
-    const auto estimate = reinterpret_cast<Lanes<float>>(_mm256_rsqrt_ps(reinterpret_cast<__m256>(x)));
-    return estimate * (1.5f - (0.5f * x) * estimate * estimate);
+    return 1.0f / square_root<float>(x);
 }
 inline Lanes<double> inverse_root(Lanes<double> x) {
-    return 1.0 / reinterpret_cast<Lanes<double>>(_mm256_sqrt_pd(reinterpret_cast<__m256d>(x)));
+    return 1.0 / square_root<double>(x);
 }
 inline Lanes<float> magnitude(Lanes<float> x) {
     return reinterpret_cast<Lanes<float>>(reinterpret_cast<Mask<float>>(x) & 0x7fffffff);

@@ -235,4 +235,16 @@ std::vector<MirroredMesh> mirror_bounce(const scene::FrameScene& scene, const me
     return Bounce(scene, media, rays, mesh, stats).make();
 }
 
+double mirrored_vertex_bytes(const scene::FrameState& state) {
+    // Origin, slope, tint and place on the water, start, flux and weight, valid; depth and normal where it
+    // lands.
+    constexpr double kVertex = 4 * 12 + 3 * 4 + 1 + 4 + 12;
+    constexpr double kLitFacesOfBox = 5;
+    double meshes = 0;
+    for (const scene::Object& object : state.objects)
+        if (object.material.mirror) meshes += object.shape == scene::Shape::box ? kLitFacesOfBox : 1;
+    // A ray is held as it is found, among all, and by its mirror.
+    return meshes > 0 ? meshes * kVertex + 3 * sizeof(Mirrored) : 0;
+}
+
 }  // namespace dapple::methods

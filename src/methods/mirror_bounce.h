@@ -25,7 +25,8 @@ std::vector<MirroredMesh> mirror_bounce(const scene::FrameScene& scene, const me
                                         const rays::RayScene& rays, const light::BeamMesh& mesh,
                                         FrameStats& stats);
 
-/// Bytes a vertex of a map while they are made.
-constexpr double kMirroredVertexBytes = 3 * 12 + 3 * 12 + 2 * 4 + 4 + 12;
+/// Bytes a vertex of a map that all its meshes and the rays between take, foreseen for mirrors that all are
+/// met: each face of a box, but for the one that looks away, is a mesh of the map's size.
+double mirrored_vertex_bytes(const scene::FrameState& state);
 
 }  // namespace dapple::methods

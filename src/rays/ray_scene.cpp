@@ -6,6 +6,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <cstddef>
 #include <cstring>
 #include <mutex>
 #include <string>
@@ -62,6 +63,10 @@ using lanes::Mask;
 
 constexpr std::size_t kPacket = lanes::kLanes<float>;
 static_assert(sizeof(Ray) == kPacket * sizeof(float) && sizeof(Hit) == kPacket * sizeof(float));
+static_assert(offsetof(Ray, origin) == 0 && offsetof(Ray, near) == 12 && offsetof(Ray, direction) == 16 &&
+              offsetof(Ray, far) == 28);
+static_assert(offsetof(Hit, distance) == 0 && offsetof(Hit, object) == 4 && offsetof(Hit, primitive) == 8 &&
+              offsetof(Hit, barycentric) == 12 && offsetof(Hit, normal) == 20);
 
 /// Embree takes components of a direction nearer to 0 than 1e-18 for +1e-18, but in packets of coherent rays
 /// goes by the sign that they had: negative ones would miss what they hit.

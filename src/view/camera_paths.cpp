@@ -140,7 +140,11 @@ void LayerTracer::find_encounters(const std::vector<Path>& paths, std::vector<En
         rays[i].direction = glm::vec3(paths[i].direction);
     }
     rays_.intersect_objects(rays, objects);
-    for (std::size_t i = 0; i < paths.size(); ++i) rays[i].far = before(paths[i], objects[i]);
+    for (std::size_t i = 0; i < paths.size(); ++i) {
+        // A path that leaves a triangle nearly along it may meet it again at once, in float.
+        if (paths[i].events > 0) rays[i].near = static_cast<float>(surface_margin(paths[i].start));
+        rays[i].far = before(paths[i], objects[i]);
+    }
     if (scene_.water) rays_.intersect_water(rays, water);
     encounters.assign(paths.size(), Encounter{});
     for (std::size_t i = 0; i < paths.size(); ++i) {

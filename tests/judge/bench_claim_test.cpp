@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -190,6 +191,20 @@ TEST_F(ClaimFile, ReportsEveryRow) {
     EXPECT_TRUE(rows[3].at("value").is_null());
     const std::string csv = bench_csv(bench);
     EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 5);
+}
+
+TEST(BenchClaims, AllThatStandInTheSequencesCanBeRun) {
+    std::size_t files = 0;
+    for (const auto& entry :
+         std::filesystem::directory_iterator(std::string(DAPPLE_SOURCE_DIR) + "/sequences/claims")) {
+        if (entry.path().extension() != ".yaml") continue;
+        SCOPED_TRACE(entry.path().string());
+        const Claim claim = read_claim(entry.path().string());
+        check_runs(claim);
+        EXPECT_FALSE(claim.rows.empty());
+        ++files;
+    }
+    EXPECT_GE(files, 9u);
 }
 
 }  // namespace

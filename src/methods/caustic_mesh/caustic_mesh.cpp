@@ -10,6 +10,7 @@
 #include "methods/caustic_mesh/cell_builder.h"
 #include "methods/caustic_mesh/cell_renderer.h"
 #include "methods/mirror_bounce.h"
+#include "scene/area_light.h"
 
 namespace dapple::methods {
 
@@ -32,6 +33,8 @@ Support CausticMesh::supports_surface(const scene::FrameState& state) const {
         reason += state.caustics.map.paper_faithful
                       ? "; the sun as a point"
                       : "; the sun's disc as a widening of pixels by its variance";
+    if (std::any_of(state.lights.begin(), state.lights.end(), scene::is_area))
+        reason += "; area lights as points, one for each of their samples";
     if (state.caustics.map.second_bounce) reason += "; light that mirrors send on once after the water";
     if (state.caustics.map.paper_faithful)
         reason += "; E at the samples' points, and none where triangles span edges of objects";
@@ -49,7 +52,7 @@ std::size_t CausticMesh::bytes(const scene::FrameState& state, std::size_t pixel
     // device.
     const double stretch = std::min(maps.largest, static_cast<double>(caustic_mesh::kStretch));
     const bool bounce = state.caustics.map.second_bounce;
-    const double vertex = kLanding + (bounce ? kMirroredVertexBytes + kLanding : 0);
+    const double vertex = kLanding + (bounce ? mirrored_vertex_bytes(state) : 0);
     const double begin = std::max(maps.tracing, maps.meshes + maps.largest * vertex + stretch * cell);
     const double layers = static_cast<double>(pixels) * kLayer;
     constexpr double kMost = 0x1p61;  // maps of absurd size must not wrap around to a small number

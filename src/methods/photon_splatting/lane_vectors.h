@@ -2,6 +2,7 @@
 #include <array>
 #include <cstddef>
 #include <glm/glm.hpp>
+#include <limits>
 
 #include "base/lanes.h"
 
@@ -86,7 +87,7 @@ inline Vectors3 normalized(Vectors3 v) {
     return lanes::inverse_root(dot(v, v)) * v;
 }
 inline Flags finite(Floats x) {
-    return x - x == 0.0f;
+    return lanes::magnitude(x) < std::numeric_limits<float>::infinity();
 }
 
 inline glm::vec3 lane(Vectors3 v, std::size_t k) {

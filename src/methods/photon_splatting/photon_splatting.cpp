@@ -52,7 +52,7 @@ std::size_t PhotonSplatting::bytes(const scene::FrameState& state, std::size_t p
     // many splats as photons: those near edges of faces have more, those that the camera does not see none.
     const double stretch = kSplat * static_cast<double>(kStretchPhotons);
     const bool bounce = state.caustics.map.second_bounce;
-    const double mirrored = bounce ? kMirroredVertexBytes + kLanding : 0;
+    const double mirrored = bounce ? mirrored_vertex_bytes(state) : 0;
     const double begin = std::max(maps.tracing, maps.meshes + maps.largest * (kLanding + mirrored) + stretch);
     const double layers = static_cast<double>(pixels) * kLayer;
     constexpr double kMost = 0x1p61;  // maps of absurd size must not wrap around to a small number

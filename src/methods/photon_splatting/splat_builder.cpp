@@ -194,7 +194,9 @@ private:
         const Flags quads = on & ~fit_points(corners, on, covers);
 
         const PhotonHits& hits = plane.hits;
-        const Floats signed_tolerance = mesh_.in_water() ? tolerance : -tolerance;
+        // Its sign is the medium's, so that it must not be 0.
+        const Floats above_zero = lanes::greater(tolerance, lanes::splat(std::numeric_limits<float>::min()));
+        const Floats signed_tolerance = mesh_.in_water() ? above_zero : -above_zero;
         std::array<std::array<Floats, kPhotons>, 3> rows = {
             {{hits.point.x, hits.point.y, hits.point.z, signed_tolerance, axis_a.x, axis_a.y, axis_a.z,
               kernel.box_first},
