@@ -13,7 +13,6 @@ namespace dapple::end_to_end {
 namespace {
 
 using testing::HasSubstr;
-using testing::Not;
 using testing_tools::file_text;
 using testing_tools::Outcome;
 using testing_tools::ScratchFolder;
