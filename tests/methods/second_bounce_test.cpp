@@ -88,8 +88,9 @@ TEST(SecondBounce, OfALevelMirrorBelowFlatWater) {
         const LayerResult found = by_map(state, way, stats);
         double flux = 0, columns = 0, rows = 0;
         for (int i = 0; i < kPixels * kPixels; ++i) {
-            const double x = kView * ((i % kPixels + 0.5) / kPixels - 0.5);
-            const double z = kView * ((i / kPixels + 0.5) / kPixels - 0.5);
+            const int column = i % kPixels, row = i / kPixels;
+            const double x = kView * ((column + 0.5) / kPixels - 0.5);
+            const double z = kView * ((row + 0.5) / kPixels - 0.5);
             // From the border of what the mirror sends on: a photon's spacing and a pixel beyond it, or
             // within.
             const double outside = std::max(std::abs(x) - 0.3, std::abs(z) - 0.4);

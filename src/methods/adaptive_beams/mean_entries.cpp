@@ -4,7 +4,7 @@ namespace dapple::methods::adaptive_beams {
 namespace {
 
 constexpr int kParts = 4;  // of a triangle's sides
-constexpr std::size_t kSamples = kParts * kParts;
+constexpr std::size_t kSamples = std::size_t{kParts} * kParts;
 
 }  // namespace
 
