@@ -96,8 +96,9 @@ struct LayerImages {
 }  // namespace
 
 struct CellRenderer::State {
-    explicit State(gpu::Device& d)
+    State(gpu::Device& d, std::uint64_t largest)
         : device(d),
+          largest_buffer(std::min(largest, d.largest_storage_range())),
           points_1(d, "mesh cells", caustic_mesh_cell_point_vert, caustic_mesh_cell_1_frag,
                    additive(gpu::Topology::points, 1)),
           points_4(d, "mesh cells of four layers", caustic_mesh_cell_point_vert, caustic_mesh_cell_4_frag,
@@ -109,7 +110,7 @@ struct CellRenderer::State {
 
     /// Packs the bands one after another into buffers that fit a storage binding; a band may span several.
     void pack(const std::vector<std::vector<MeshCell>>& bands, std::vector<gpu::Buffer>& buffers) {
-        const std::size_t most = device.largest_storage_range() / sizeof(MeshCell);
+        const std::size_t most = largest_buffer / sizeof(MeshCell);
         std::vector<std::size_t> first{0};  // of each band among all
         for (const std::vector<MeshCell>& band : bands) first.push_back(first.back() + band.size());
         for (std::size_t start = 0; start < first.back(); start += most) {
@@ -155,11 +156,13 @@ struct CellRenderer::State {
     }
 
     gpu::Device& device;
+    std::uint64_t largest_buffer;  // bytes
     gpu::RasterPipeline points_1, points_4, quads_1, quads_4;
     std::vector<gpu::Buffer> points, quads;
 };
 
-CellRenderer::CellRenderer(gpu::Device& device) : state_(std::make_unique<State>(device)) {}
+CellRenderer::CellRenderer(gpu::Device& device, std::uint64_t largest_buffer)
+    : state_(std::make_unique<State>(device, largest_buffer)) {}
 CellRenderer::~CellRenderer() = default;
 
 void CellRenderer::clear() {
@@ -174,6 +177,9 @@ void CellRenderer::add(const Cells& cells) {
 
 std::size_t CellRenderer::points() const {
     return cells_in(state_->points);
+}
+std::size_t CellRenderer::buffers() const {
+    return state_->points.size() + state_->quads.size();
 }
 std::size_t CellRenderer::quads() const {
     return cells_in(state_->quads);

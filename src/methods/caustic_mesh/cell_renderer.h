@@ -1,5 +1,7 @@
 #pragma once
 #include <cstddef>
+#include <cstdint>
+#include <limits>
 #include <memory>
 #include <span>
 
@@ -14,7 +16,10 @@ namespace dapple::methods::caustic_mesh {
 /// Draws cells into receiver layers on the device, additively and in their order, so that bits repeat.
 class CellRenderer {
 public:
-    explicit CellRenderer(gpu::Device& device);
+    /// Buffers of cells hold no more than `largest_buffer` bytes (at least one cell) and than the device
+    /// binds.
+    explicit CellRenderer(gpu::Device& device,
+                          std::uint64_t largest_buffer = std::numeric_limits<std::uint64_t>::max());
     ~CellRenderer();
 
     /// Forgets the cells of the last frame.
@@ -23,6 +28,8 @@ public:
     void add(const Cells& cells);
     std::size_t points() const;
     std::size_t quads() const;
+    /// That hold them.
+    std::size_t buffers() const;
     /// E of each layer, up to four in one draw; `covered` is set for receivers that the camera sees directly.
     /// `at_point`: E is that at the receivers' points, not the mean over their parts of the picture.
     void render(const scene::FrameScene& scene, bool at_point, std::span<const view::ReceiverLayer> layers,
