@@ -211,11 +211,11 @@ std::vector<std::string_view> unit_symbols(Dimension dimension) {
     return symbols;
 }
 
-std::string format_quantity(double si_value, Dimension dimension) {
+std::string format_quantity(double value, Dimension dimension) {
     const bool angle = dimension == Dimension::angle;
     const std::string_view unit = angle ? "deg" : text_of(dimension).si_unit;
     std::array<char, 40> digits{};
-    std::snprintf(digits.data(), digits.size(), "%.6g", angle ? si_value * 180 / std::numbers::pi : si_value);
+    std::snprintf(digits.data(), digits.size(), "%.6g", angle ? value * 180 / std::numbers::pi : value);
     return std::string(digits.data()) + (unit.empty() ? "" : " ") + std::string(unit);
 }
 

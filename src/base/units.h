@@ -32,7 +32,7 @@ std::string_view dimension_name(Dimension dimension);
 /// "um", "mm", "cm", "m", "km".
 std::vector<std::string_view> unit_symbols(Dimension dimension);
 /// The value with its unit for messages: angles in degrees, all else in SI.
-std::string format_quantity(double si_value, Dimension dimension);
+std::string format_quantity(double value, Dimension dimension);
 
 /// A number as read, or the sentence that says why it is none.
 struct Quantity {

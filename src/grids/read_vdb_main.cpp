@@ -2,7 +2,6 @@
 // may crash, as OpenVDB can on damaged files. Says what it finds as vdb_reply.h lays it out.
 #include <nanovdb/util/OpenToNanoVDB.h>
 #include <openvdb/io/File.h>
-#include <openvdb/openvdb.h>
 #include <openvdb/tools/Prune.h>
 #include <sys/mman.h>
 #include <unistd.h>
@@ -17,6 +16,7 @@
 #include <string>
 #include <vector>
 
+#include "grids/openvdb_trees.h"
 #include "grids/reader_limits.h"
 #include "grids/vdb_reply.h"
 

@@ -9,6 +9,7 @@
 
 #include "run/child_process.h"
 #include "run/scratch_folder.h"
+#include "source_dir.h"
 
 namespace dapple {
 namespace {

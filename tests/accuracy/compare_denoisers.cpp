@@ -22,6 +22,7 @@
 #include "base/error.h"
 #include "gpu/device.h"
 #include "render/frame_renderer.h"
+#include "source_dir.h"
 #include "timeline/timeline.h"
 
 namespace {

@@ -9,6 +9,7 @@
 
 #include "gpu/validated_device.h"
 #include "render/frame_renderer.h"
+#include "source_dir.h"
 #include "timeline/timeline.h"
 
 namespace dapple {

@@ -9,6 +9,7 @@
 #include "gpu/validated_device.h"
 #include "image/exr.h"
 #include "methods/sliced_beams/sliced_beams.h"
+#include "source_dir.h"
 
 namespace dapple {
 namespace {

@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "color/grader.h"
 #include "image/temporary_folder.h"
+#include "source_dir.h"
 
 namespace dapple::color {
 namespace {

@@ -8,6 +8,7 @@
 #include "base/hash.h"
 #include "base/parallel.h"
 #include "color/colour_chart.h"
+#include "source_dir.h"
 
 namespace dapple::color {
 namespace {

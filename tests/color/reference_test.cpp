@@ -11,6 +11,7 @@
 #include "color/grader.h"
 #include "image/exr.h"
 #include "image/temporary_folder.h"
+#include "source_dir.h"
 
 namespace dapple::color {
 namespace {

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "end_to_end/program.h"
+#include "source_dir.h"
 
 namespace dapple::end_to_end {
 namespace {

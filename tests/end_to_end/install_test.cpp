@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "end_to_end/program.h"
+#include "source_dir.h"
 
 namespace dapple::end_to_end {
 namespace {

@@ -4,6 +4,7 @@
 
 #include "run/child_process.h"
 #include "run/scratch_folder.h"
+#include "source_dir.h"
 
 namespace dapple::end_to_end {
 

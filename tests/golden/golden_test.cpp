@@ -10,6 +10,7 @@
 #include "gpu/validated_device.h"
 #include "image/exr.h"
 #include "render/frame_renderer.h"
+#include "source_dir.h"
 #include "timeline/timeline.h"
 
 namespace dapple {

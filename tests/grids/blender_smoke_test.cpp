@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "grids/vdb_file.h"
+#include "source_dir.h"
 
 namespace dapple::grids {
 namespace {

@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "grids/test_files.h"
 #include "grids/vdb_file.h"
+#include "source_dir.h"
 
 namespace dapple::grids {
 namespace {

@@ -11,6 +11,7 @@
 
 #include "base/error.h"
 #include "grids/vdb_reply.h"
+#include "source_dir.h"
 
 namespace dapple::grids {
 namespace {

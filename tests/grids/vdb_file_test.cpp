@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <openvdb/io/File.h>
-#include <openvdb/openvdb.h>
 
 #include <cstdlib>
 #include <cstring>
@@ -12,6 +11,7 @@
 #include <random>
 
 #include "base/error.h"
+#include "grids/openvdb_trees.h"
 #include "grids/test_files.h"
 
 namespace dapple::grids {

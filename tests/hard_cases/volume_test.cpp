@@ -8,6 +8,7 @@
 #include "gpu/validated_device.h"
 #include "hard_cases/hard_case.h"
 #include "render/frame_renderer.h"
+#include "source_dir.h"
 #include "view/camera.h"
 
 namespace dapple {

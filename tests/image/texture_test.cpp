@@ -10,6 +10,7 @@
 #include "image/exr.h"
 #include "image/png.h"
 #include "image/temporary_folder.h"
+#include "source_dir.h"
 
 namespace dapple::image {
 namespace {

@@ -12,6 +12,7 @@
 #include "judge/bench_claim_report.h"
 #include "judge/bench_claims.h"
 #include "judge/bench_report.h"
+#include "source_dir.h"
 #include "timeline/timeline.h"
 
 namespace dapple::judge {

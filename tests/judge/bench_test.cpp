@@ -16,6 +16,7 @@
 #include "judge/bench_process.h"
 #include "judge/bench_report.h"
 #include "judge/bench_timing.h"
+#include "source_dir.h"
 #include "timeline/timeline.h"
 
 namespace dapple::judge {

@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "ocean/water_surface.h"
+#include "source_dir.h"
 
 namespace dapple::ocean {
 namespace {

@@ -13,6 +13,7 @@
 #include "image/exr.h"
 #include "image/temporary_folder.h"
 #include "render/texture_files.h"
+#include "source_dir.h"
 
 namespace dapple::render {
 namespace {

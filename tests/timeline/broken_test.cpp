@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "source_dir.h"
 #include "timeline/timeline.h"
 
 namespace dapple::timeline {
