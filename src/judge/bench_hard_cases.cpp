@@ -34,6 +34,16 @@ std::string first_comment(const std::string& file) {
     return line.substr(std::min(line.find_first_not_of("# "), line.size()));
 }
 
+/// The method whose keys the timeline sets; none of one that cannot be read, as some cases are meant to be.
+std::string own_method(const std::string& timeline) {
+    try {
+        const auto loaded = timeline::Timeline::load(timeline, {});
+        return loaded.at(loaded.clip().first_frame).caustics.method;
+    } catch (const Error&) {
+        return "";
+    }
+}
+
 /// A process of one method, and the frames it left.
 struct CaseRun {
     std::string folder;
@@ -167,8 +177,9 @@ HardCase judge_hard_case(const std::string& timeline, const std::vector<std::str
     HardCase result;
     result.name = std::filesystem::path(timeline).stem().string();
     result.description = first_comment(timeline);
-    const auto overrides_of = [](const std::string& method) {
-        return method == "reference" ? std::vector<std::string>{kReference} : overrides_for(method, "", {});
+    const std::string own = own_method(timeline);
+    const auto overrides_of = [&](const std::string& method) {
+        return method == "reference" ? std::vector<std::string>{kReference} : overrides_for(method, own, {});
     };
     const auto run = [&](const std::string& method) {
         CaseRun made;

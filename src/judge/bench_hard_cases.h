@@ -32,7 +32,8 @@ struct HardCase {
 };
 
 /// Renders one case by the reference (to 5 %, or 30 million rays a light) and each method into
-/// FOLDER/METHOD, and judges them. Fewer verdicts where it is interrupted.
+/// FOLDER/METHOD, and judges them; a timeline that names a method may set its keys, all others have their
+/// defaults. Fewer verdicts where it is interrupted.
 HardCase judge_hard_case(const std::string& timeline, const std::vector<std::string>& methods,
                          const std::string& folder, Renderings& renderings);
 

@@ -154,6 +154,8 @@ TEST(Bench, GivesAVerdictOnEveryHardCase) {
     };
     add_case("dot.yaml", "frames: 1-4, resolution: [64, 36]", "frames: 1, resolution: [16, 9]");
     add_case("set_sun.yaml", "elevation: 90 deg", "direction: [1, 0.1, 0]");
+    std::ofstream(scratch / "cases/dot.yaml", std::ios::app)
+        << "caustics: {method: photon_splatting, map_resolution: 300}\n";
     const Outcome outcome =
         run_dapple(scratch, {"bench", "--hard-cases", scratch / "cases", "-o", scratch / "out"});
     ASSERT_EQ(outcome.code, 0) << outcome.output;
@@ -163,6 +165,9 @@ TEST(Bench, GivesAVerdictOnEveryHardCase) {
         ASSERT_THAT(hard.at("verdicts"), SizeIs(4)) << "a method each, but for the reference";
         for (const Json& verdict : hard.at("verdicts")) EXPECT_EQ(verdict.at("verdict"), "holds") << verdict;
     }
+    EXPECT_THAT(file_text(scratch / "out/hard_cases/dot/photon_splatting/stats.jsonl"),
+                HasSubstr("\"photons\":90000.0"))
+        << "with the key that the timeline sets for its own method";
     EXPECT_EQ(cases[0].at("verdicts")[0].at("exit_code"), 0);
     EXPECT_EQ(cases[1].at("verdicts")[0].at("exit_code"), 3);
     EXPECT_THAT(cases[1].at("verdicts")[0].at("reason").get<std::string>(), HasSubstr("refused by all"));
