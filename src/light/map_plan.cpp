@@ -25,6 +25,28 @@ glm::dvec2 reach(const MapPlan& plan, const scene::Extent& extent, double displa
     return result;
 }
 
+/// Texels of a map along x or z.
+struct MapAxis {
+    double texel = 0;  ///< m
+    int inner = 0;     ///< texels that fill the extent
+    int border = 0;    ///< on either side of these
+    bool capped = false;
+};
+
+/// Along an axis on which `wanted` texels should fill the extent, m, and light is thrown off by `thrown` m.
+/// Where a low sun throws it farther than the map is wide, texels are widened by whole factors, so that the
+/// border still fits into a map of twice those wanted: seen from such a sun they stay narrow.
+MapAxis plan_axis(double extent, double wanted, double thrown) {
+    MapAxis axis;
+    for (double factor = 1; axis.inner != 1 && (factor == 1 || axis.capped); ++factor) {
+        axis.inner = static_cast<int>(glm::max(1.0, std::round(wanted / factor)));
+        axis.texel = extent / axis.inner;
+        axis.capped = false;
+        axis.border = border_texels(thrown, axis.texel, 2 * wanted - axis.inner, axis.capped);
+    }
+    return axis;
+}
+
 }  // namespace
 
 double MapPlan::share(int column, int row) const {
@@ -79,14 +101,15 @@ MapPlan plan_map(const scene::FrameScene& scene, int light_index, double resolut
     const double size = std::max(extent.size.x, extent.size.y) / resolution;
     const glm::dvec2 inner = glm::max(glm::dvec2(1), glm::round(extent.size / size));
     check_map_size(std::llround(inner.x), std::llround(inner.y));
-    const glm::dvec2 texel = extent.size / inner, thrown = thrown_off(plan, scene);
-    const glm::ivec2 border(border_texels(thrown.x, texel.x, inner.x, plan.capped),
-                            border_texels(thrown.y, texel.y, inner.y, plan.capped));
-    plan.texel = glm::dmat2(texel.x, 0, 0, texel.y);
-    plan.columns = static_cast<int>(inner.x) + 2 * border.x;
-    plan.rows = static_cast<int>(inner.y) + 2 * border.y;
+    const glm::dvec2 thrown = thrown_off(plan, scene);
+    const MapAxis x = plan_axis(extent.size.x, inner.x, thrown.x),
+                  z = plan_axis(extent.size.y, inner.y, thrown.y);
+    plan.capped = x.capped || z.capped;
+    plan.texel = glm::dmat2(x.texel, 0, 0, z.texel);
+    plan.columns = x.inner + 2 * x.border;
+    plan.rows = z.inner + 2 * z.border;
     check_map_size(plan.columns, plan.rows);
-    plan.anchor = extent.center - 0.5 * extent.size - glm::dvec2(border) * texel;
+    plan.anchor = extent.center - 0.5 * extent.size - glm::dvec2(x.border * x.texel, z.border * z.texel);
     plan.parts = {{0, 0, plan.columns, plan.rows}};
     return plan;
 }

@@ -108,6 +108,30 @@ TEST(CausticMap, FluxOfAGentleSeaIsThatThroughItsTriangles) {
     }
 }
 
+TEST(CausticMap, ALowSunsLightThatCrestsThrowFarOffIsAllHeld) {
+    for (const double elevation : {5.0, 0.5, 0.1, 0.02}) {
+        SCOPED_TRACE(elevation);
+        scene::FrameScene scene = test::water_scene({12, 2});
+        scene.state.lights = {test::sun(90 - elevation, 0)};
+        test::add_water(scene, {{0.03, {glm::two_pi<double>(), 0}, glm::pi<double>()}}, 2400, 4);
+        // The water is one sheet: all light meets it between the lowest and the highest place across the
+        // light.
+        const glm::dvec3 d = scene.state.lights[0].direction, across(-d.y, d.x, 0);
+        double low = HUGE_VAL, high = -HUGE_VAL;
+        for (const glm::dvec3 p : scene.water->mesh.positions) {
+            low = std::min(low, glm::dot(p, across));
+            high = std::max(high, glm::dot(p, across));
+        }
+        double flux = 0;
+        for (const BeamMesh& mesh : trace(scene, 512)) {
+            flux += total_flux(mesh);
+            EXPECT_EQ(mesh.lost_flux, 0);
+        }
+        // Texels at the ends of the sheet are in or out: one on 512 at most.
+        EXPECT_NEAR(flux / (2 * (high - low)), 1, 2e-3);
+    }
+}
+
 TEST(CausticMap, BeamsOfASinusoidFirstFoldWhereTheExactMapDoes) {
     const double amplitude = 0.01, length = 0.5, n = 1.333, k = glm::two_pi<double>() / length;
     scene::FrameScene scene = test::water_scene({2, 0.25});
