@@ -168,8 +168,9 @@ private:
         sent_ += power(mesh, i);
     }
 
-    /// What meets another mirror, or the water, next lands nowhere. It stays a ray with light: beside the
-    /// edge of a hull it has its share of the light up to the edge.
+    /// What meets another mirror, or the water, next is lost. It stays a ray with light: beside the edge of a
+    /// hull it has its share of the light up to the edge. At the water it lands nowhere; a mirror it lands
+    /// on, which no camera path ends on, so that it lights nothing that its neighbours landed on behind it.
     void drop(MirroredMesh& made) {
         light::BeamMesh& mesh = made.mesh;
         std::vector<rays::Ray> traced;
@@ -195,7 +196,7 @@ private:
             if (!crosses && !again) continue;
             (crosses ? lost_to_water_ : lost_to_mirrors_) += power(mesh, i);
             if (made.landings.depth[i] < std::numeric_limits<float>::infinity()) --made.landings.count;
-            made.landings.depth[i] = std::numeric_limits<float>::infinity();
+            if (crosses) made.landings.depth[i] = std::numeric_limits<float>::infinity();
         }
     }
 

@@ -25,15 +25,21 @@ int pixels_a_side(scene::BufferScale scale) {
     return 1;
 }
 
-scene::FrameScene at_scale(const scene::FrameScene& scene, int scale) {
-    scene::FrameScene coarse = scene;
-    scene::Clip& clip = coarse.state.clip;
+scene::FrameState at_scale(const scene::FrameState& state, int scale) {
+    scene::FrameState coarse = state;
+    scene::Clip& clip = coarse.clip;
     clip.width = coarse_size(clip.width, scale);
     clip.height = coarse_size(clip.height, scale);
-    const double height = static_cast<double>(clip.height) * scale / scene.state.clip.height;
-    scene::Camera& camera = coarse.state.camera;
+    const double height = static_cast<double>(clip.height) * scale / state.clip.height;
+    scene::Camera& camera = coarse.camera;
     camera.field_of_view = 2 * std::atan(height * std::tan(0.5 * camera.field_of_view));
     camera.view_height *= height;
+    return coarse;
+}
+
+scene::FrameScene at_scale(const scene::FrameScene& scene, int scale) {
+    scene::FrameScene coarse = scene;
+    coarse.state = at_scale(scene.state, scale);
     return coarse;
 }
 

@@ -11,6 +11,7 @@
 #include "ocean/water_surface.h"
 #include "render/error_estimate.h"
 #include "render/pilot_frame.h"
+#include "render/pixel_error.h"
 #include "scene/area_light.h"
 
 namespace dapple::render {
@@ -69,10 +70,6 @@ bool filtered(const scene::Caustics& caustics) {
            caustics.buffer_scale != scene::BufferScale::full;
 }
 
-/// Samples a pixel that tell how much wider they make splats, whose kernels hold a whole pixel each: more
-/// than four spread hardly further.
-constexpr int kMostSamples = 4;
-
 /// E as the method finds it at that resolution, before any filter.
 scene::Caustics unfiltered(scene::Caustics caustics, int resolution, PhotonFootprint footprint) {
     caustics.map.map_resolution = resolution;
@@ -100,23 +97,6 @@ std::optional<scene::FrameState> on_coarse_water(scene::FrameState state) {
 scene::FrameState with_one_sample(scene::FrameState state) {
     state.clip.samples = 1;
     return state;
-}
-
-/// Means of the quarters of pixels, from a picture twice as wide and high; covered where all look at the same
-/// face as the pixel does: elsewhere means are of other places.
-PixelIrradiance mean_of_quarters(const PixelIrradiance& quarters, const std::vector<PixelSurface>& faces,
-                                 int width, const std::vector<PixelSurface>& pixel_faces) {
-    const std::size_t columns = static_cast<std::size_t>(width), pixels = pixel_faces.size();
-    PixelIrradiance mean{std::vector<glm::vec3>(pixels, glm::vec3(0)), std::vector<std::uint8_t>(pixels, 1)};
-    for (std::size_t i = 0; i < pixels; ++i) {
-        const std::size_t first = 4 * columns * (i / columns) + 2 * (i % columns);
-        for (const std::size_t quarter : {first, first + 1, first + 2 * columns, first + 2 * columns + 1}) {
-            mean.values[i] += 0.25f * quarters.values[quarter];
-            if (quarters.covered[quarter] == 0 || !pixel_faces[i].same_face(faces[quarter]))
-                mean.covered[i] = 0;
-        }
-    }
-    return mean;
 }
 
 /// The climb of one pilot from coarse maps to fine ones.
@@ -232,32 +212,14 @@ private:
             PilotFrame frame(*coarse, builder_, method_, device_, stats_);
             by_mesh_ = kMeshShare * relative_difference(frame.irradiance(finest), ladder.last.back());
         }
-        find_pixel_error(finest, ladder.last.back());
-    }
-
-    /// What the method makes of whole pixels against the means of quarters.
-    void find_pixel_error(const scene::Caustics& settings, const PixelIrradiance& by_one_path) {
         scene::FrameState state = state_;
-        state.caustics = settings;
-        state.clip.samples = std::min(samples_, kMostSamples);
-        std::vector<PixelSurface> surfaces = frame_.surfaces();
-        PixelIrradiance whole;
-        if (state.clip.samples == 1) {
-            whole = by_one_path;
-        } else {
-            check_memory(state);
-            PilotFrame frame(state, builder_, method_, device_, stats_);
-            surfaces = frame.surfaces();
-            whole = frame.irradiance(settings);
-        }
-        state.clip.samples = 1;
-        state.clip.width *= 2;
-        state.clip.height *= 2;
-        check_memory(state);
-        PilotFrame quarters(state, builder_, method_, device_, stats_);
-        by_pixels_ =
-            relative_difference(whole, mean_of_quarters(quarters.irradiance(settings), quarters.surfaces(),
-                                                        state_.clip.width, surfaces));
+        state.caustics = finest;
+        by_pixels_ = pixel_error(state, samples_, {ladder.last.back(), frame_.surfaces()},
+                                 [&](const scene::FrameState& other) {
+                                     check_memory(other);
+                                     PilotFrame frame(other, builder_, method_, device_, stats_);
+                                     return PixelPicture{frame.irradiance(finest), frame.surfaces()};
+                                 });
     }
 
     std::vector<ErrorCurve> curves() {

@@ -52,8 +52,8 @@ Kernel widened(const Basis& basis, const KernelMetric& metric, const KernelStyle
 
 KernelMetric metric_of(float pixels_a_metre, float disc_radius = 0) {
     KernelMetric metric;
-    metric.pixel_from_first = all({pixels_a_metre, 0});
-    metric.pixel_from_second = all({0, pixels_a_metre});
+    metric.cell_from_first = all({pixels_a_metre, 0});
+    metric.cell_from_second = all({0, pixels_a_metre});
     metric.disc_radius = methods::all(disc_radius);
     return metric;
 }

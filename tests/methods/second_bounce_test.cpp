@@ -146,6 +146,34 @@ TEST(SecondBounce, LightThatMeetsTheWaterOrAnotherMirrorIsCounted) {
         closed.counted("light sent on by mirrors, W"), 1e-9);
 }
 
+TEST(SecondBounce, AMirrorThrowsTheShadowOfAMattePlate) {
+    // A plate between mirror and hull, in the hull's own shadow from the sun: what it keeps from the hull
+    // does not hang on what it is made of.
+    scene::FrameState state = dock(level_mirror());
+    scene::Object plate = test::level_plane("plate", -kHull - 0.1, 1);
+    plate.size = {0.5, 1, 0.3};
+    plate.transform.position.x = aside() + 0.25;
+    plate.transform.rotation = {glm::pi<double>(), 0, 0};
+    state.objects.push_back(plate);
+    // From between plate and hull.
+    state.camera.position.y = -kHull - 0.05;
+    for (const Way& way : kWays) {
+        FrameStats stats;
+        state.objects[2].material.mirror = false;
+        const LayerResult matte = by_map(state, way, stats);
+        state.objects[2].material.mirror = true;
+        const LayerResult mirror = by_map(state, way, stats);
+        EXPECT_GT(stats.counted("lost to second mirrors, W"), 0.01);
+        std::size_t dark = 0;
+        for (std::size_t i = 0; i < matte.irradiance.size(); ++i) {
+            dark += matte.irradiance[i].x == 0 ? 1 : 0;
+            for (int c = 0; c < 3; ++c)
+                EXPECT_NEAR(mirror.irradiance[i][c], matte.irradiance[i][c], 1e-6f) << way.name << " " << i;
+        }
+        EXPECT_GT(dark, matte.irradiance.size() / 20);
+    }
+}
+
 /// L1 of a method against the reference, beside what the reference's own noise makes of it, and the bias.
 void expect_like_reference(const scene::FrameState& state, const std::vector<Way>& ways, std::uint64_t strata,
                            double l1, double bias) {

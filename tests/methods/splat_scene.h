@@ -33,14 +33,20 @@ inline view::ReceiverLayer receivers_on_level(const scene::FrameScene& scene, do
     layer.height = state.clip.height;
     layer.sample = sample;
     const std::uint32_t flags = view::kReceiver | (height < 0 ? view::kInWater : 0u);
+    const auto seen_at = [&](glm::dvec2 pixel) {
+        glm::dvec3 origin, direction;
+        camera.ray(pixel, origin, direction);
+        return origin + direction * ((height - origin.y) / direction.y);
+    };
     for (int y = 0; y < layer.height; ++y)
         for (int x = 0; x < layer.width; ++x) {
-            glm::dvec3 origin, direction;
-            camera.ray(glm::dvec2(x, y) + view::Camera::sample_offset(sample, state.clip.samples), origin,
-                       direction);
-            const glm::dvec3 point = origin + direction * ((height - origin.y) / direction.y);
+            const glm::dvec2 pixel =
+                glm::dvec2(x, y) + view::Camera::sample_offset(sample, state.clip.samples);
+            const glm::dvec2 right(0.5, 0), down(0, 0.5);
             layer.flags.push_back(flags);
-            layer.position.emplace_back(point - scene.origin);
+            layer.position.emplace_back(seen_at(pixel) - scene.origin);
+            layer.footprint_u.emplace_back(seen_at(pixel + right) - seen_at(pixel - right));
+            layer.footprint_v.emplace_back(seen_at(pixel + down) - seen_at(pixel - down));
             layer.shading_normal.emplace_back(0, height < 0 ? 1 : -1, 0);
         }
     layer.geometric_normal = layer.shading_normal;

@@ -83,10 +83,10 @@ TEST(Settle, KnowsWhatTheMeshOfTheWaterMakes) {
     EXPECT_GT(found.pilots[0].by_mesh, 0.8 * found.error());
 }
 
-/// Splats hold a whole pixel's box each along the vectors of their lattice: oblique to the picture they blur,
-/// and with four samples a pixel more.
+/// Splats hold the box of a sample's cell along the vectors of their lattice: oblique to the picture they
+/// blur, the less the more samples a pixel has.
 TEST(Settle, KnowsHowPixelsWidenSplats) {
-    for (const int samples : {1, 4}) {
+    for (const int samples : {1, 4, 16}) {
         scene::FrameState state = pool(2, 0.01);
         state.camera.up = {std::sin(0.6), 0, -std::cos(0.6)};
         state.clip.width = 100;

@@ -33,7 +33,7 @@ struct SplatStyle {
     Footprints (*footprint)(const PhotonGrid&, const Photons&, const PhotonHits&) = difference_footprint;
     KernelStyle kernel;
     /// The footprint is a cell of the photons' lattice, of which a short one is taken: a sliver would fall
-    /// between pixels.
+    /// between samples.
     bool reduced = true;
     bool disc = true;              ///< widened by the sun's disc
     bool every_face = true;        ///< splatted on the planes that neighbours landed on, too

@@ -9,17 +9,17 @@ using lanes::greater;
 using lanes::lesser;
 using lanes::magnitude;
 
-constexpr float kSmallestSpacing = 0.01f;  // pixels
+constexpr float kSmallestSpacing = 0.01f;  // cells
 constexpr float kSmallestBox = 0.002f;     // of the support
 
-/// Length in pixels along the nearer axis of the picture: a box of extent 1 sums to the same over rows (or
-/// columns) of pixels wherever it lies, also when it runs obliquely.
+/// Length in cells along the nearer axis of the picture: a box of extent 1 sums to the same over rows (or
+/// columns) of cells wherever it lies, also when it runs obliquely.
 Floats extent(Vectors2 vector) {
     return greater(magnitude(vector.x), magnitude(vector.y));
 }
 
 /// Makes the half-extents of the kernel of a vector of the lattice, times the style's scale, and its box.
-void widen(Vectors2& vector, Floats& box, Floats pixels, const KernelMetric& metric,
+void widen(Vectors2& vector, Floats& box, Floats cells, const KernelMetric& metric,
            const KernelStyle& style) {
     const bool tent = style.shape == KernelShape::tent;
     // Both in units of the vector: half-widths of the shape and of the box that it is convolved with.
@@ -30,12 +30,12 @@ void widen(Vectors2& vector, Floats& box, Floats pixels, const KernelMetric& met
         // Variances along a line: of a box of width w w^2 / 12, of a tent of half-width c c^2 / 6, of a disc
         // of radius R R^2 / 4.
         if (style.scale == std::round(style.scale)) {
-            const Floats share = tent ? lesser(greater(2.0f - pixels, all(0.0f)), all(1.0f)) : all(1.0f);
-            const Floats pixel = share / pixels;
-            half = 0.5f * lanes::square_root<float>(pixel * pixel + 3.0f * radius_square);
-        } else {  // only the pixel's own box makes the samples of pixels hold the flux
+            const Floats share = tent ? lesser(greater(2.0f - cells, all(0.0f)), all(1.0f)) : all(1.0f);
+            const Floats cell = share / cells;
+            half = 0.5f * lanes::square_root<float>(cell * cell + 3.0f * radius_square);
+        } else {  // only the cell's own box makes the samples of pixels hold the flux
             core = lanes::square_root<float>(core * core + (tent ? 1.5f : 0.75f) * radius_square);
-            half = 0.5f / pixels;
+            half = 0.5f / cells;
         }
     }
     // A box's edge of no width has no profile; of a tent such a box would change less than round-off.
@@ -49,27 +49,27 @@ void widen(Vectors2& vector, Floats& box, Floats pixels, const KernelMetric& met
 }  // namespace
 
 Metric reduction_metric(const KernelMetric& metric) {
-    const Vectors2 x = metric.pixel_from_first, y = metric.pixel_from_second;
-    const Metric pixel{dot(x, x), dot(x, y), dot(y, y)}, &beam = metric.beam;
-    // Covariances add: a pixel's box 1/12, the disc's R^2 / 4. The inverse of the sum of the inverses of two
+    const Vectors2 x = metric.cell_from_first, y = metric.cell_from_second;
+    const Metric cell{dot(x, x), dot(x, y), dot(y, y)}, &beam = metric.beam;
+    // Covariances add: a cell's box 1/12, the disc's R^2 / 4. The inverse of the sum of the inverses of two
     // symmetric matrices of two rows, A and B, is det(B) A + det(A) B but for its unit.
     const Floats disc = 3.0f * metric.disc_radius * metric.disc_radius;
-    const Floats of_pixel = beam.xx * beam.yy - beam.xy * beam.xy,
-                 of_beam = disc * (pixel.xx * pixel.yy - pixel.xy * pixel.xy);
-    return {of_pixel * pixel.xx + of_beam * beam.xx, of_pixel * pixel.xy + of_beam * beam.xy,
-            of_pixel * pixel.yy + of_beam * beam.yy};
+    const Floats of_cell = beam.xx * beam.yy - beam.xy * beam.xy,
+                 of_beam = disc * (cell.xx * cell.yy - cell.xy * cell.xy);
+    return {of_cell * cell.xx + of_beam * beam.xx, of_cell * cell.xy + of_beam * beam.xy,
+            of_cell * cell.yy + of_beam * beam.yy};
 }
 
 PlaneKernel widened_kernel(const LatticeBasis& basis, const KernelMetric& metric, const KernelStyle& style) {
     const Floats scale = all(style.scale);
     PlaneKernel kernel{scale * basis.first, scale * basis.second, {}, {}};
-    Vectors2 first = metric.pixel(kernel.first), second = metric.pixel(kernel.second);
+    Vectors2 first = metric.cells(kernel.first), second = metric.cells(kernel.second);
     if (style.widened) {
         constexpr float kSmallestSquare = kSmallestSpacing * kSmallestSpacing;
-        const Floats pixel_area = cross(metric.pixel_from_first, metric.pixel_from_second);
-        const auto on_plane = [&](Vectors2 pixels) {
-            const Vectors2 x = metric.pixel_from_first, y = metric.pixel_from_second;
-            return Vectors2{cross(pixels, y) / pixel_area, cross(x, pixels) / pixel_area};
+        const Vectors2 x = metric.cell_from_first, y = metric.cell_from_second;
+        const Floats area_from_plane = cross(x, y);
+        const auto on_plane = [&](Vectors2 cells) {
+            return Vectors2{cross(cells, y) / area_from_plane, cross(x, cells) / area_from_plane};
         };
         const Flags no_second = ~(dot(second, second) >= kSmallestSquare);
         if (lanes::any(no_second)) {

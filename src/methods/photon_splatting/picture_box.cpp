@@ -3,6 +3,7 @@
 #include <glm/gtc/matrix_access.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "methods/photon_splatting/sample_place.h"
 #include "view/camera.h"
 
 namespace dapple::methods {
@@ -22,7 +23,7 @@ Floats length(Vectors2 v) {
 
 }  // namespace
 
-PictureMap::PictureMap(const scene::FrameScene& scene)
+PictureMap::PictureMap(const scene::FrameScene& scene, bool at_cells)
     : perspective_(scene.state.camera.projection == scene::Projection::perspective),
       picture_(scene.state.clip.width, scene.state.clip.height) {
     const view::Camera camera(scene.state.camera, scene.state.clip.width, scene.state.clip.height);
@@ -38,11 +39,13 @@ PictureMap::PictureMap(const scene::FrameScene& scene)
     const int samples = scene.state.clip.samples;
     glm::dvec2 low(0.5), high(0.5);
     for (int s = 0; s < samples; ++s) {
-        low = glm::min(low, view::Camera::sample_offset(s, samples));
-        high = glm::max(high, view::Camera::sample_offset(s, samples));
+        const glm::dvec2 place = SamplePlace(s, samples, at_cells).in_pixel();
+        low = glm::min(low, place);
+        high = glm::max(high, place);
     }
     grow_low_ = glm::vec2(high - 0.5) + kRounding;
     grow_high_ = glm::vec2(0.5 - low) + kRounding;
+    cells_ = glm::vec2(1.0 / view::Camera::sample_cell(0, samples).size);
 }
 
 Vectors3 PictureMap::pixels_of(Vectors3 vector) const {
@@ -57,9 +60,11 @@ PlaneViews PictureMap::look_at(Vectors3 point, Vectors3 right, Vectors3 up) cons
     views.in_front = views.point.z >= kNearest;
     const Floats inverse = 1.0f / views.point.z;
     const Floats x = inverse * views.point.x, y = inverse * views.point.y;
-    const auto derivative = [&](Vectors3 v) { return inverse * Vectors2{v.x - x * v.z, v.y - y * v.z}; };
-    views.pixel_from_right = derivative(views.right);
-    views.pixel_from_up = derivative(views.up);
+    const auto derivative = [&](Vectors3 v) {
+        return inverse * Vectors2{cells_.x * (v.x - x * v.z), cells_.y * (v.y - y * v.z)};
+    };
+    views.cell_from_right = derivative(views.right);
+    views.cell_from_up = derivative(views.up);
     return views;
 }
 

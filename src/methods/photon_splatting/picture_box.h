@@ -15,8 +15,8 @@ struct PictureCovers {
 /// unit vectors of each.
 struct PlaneViews {
     Vectors3 point, right, up;
-    Flags in_front{};                              ///< the point is
-    Vectors2 pixel_from_right{}, pixel_from_up{};  ///< derivatives at the point, pixels a m
+    Flags in_front{};                            ///< the point is
+    Vectors2 cell_from_right{}, cell_from_up{};  ///< derivatives at the point, samples' cells a m
 };
 
 /// The four corners point +- first +- second of parallelograms of such planes.
@@ -28,7 +28,8 @@ struct PictureCorners {
 /// The camera in float, relative to the frame's origin: what splats need of it.
 class PictureMap {
 public:
-    explicit PictureMap(const scene::FrameScene& scene);
+    /// `at_cells`: as SamplePlace's.
+    PictureMap(const scene::FrameScene& scene, bool at_cells);
 
     /// `right` and `up`: unit vectors of the planes.
     PlaneViews look_at(Vectors3 point, Vectors3 right, Vectors3 up) const;
@@ -52,9 +53,10 @@ private:
     glm::vec3 position_, backward_;
     bool perspective_;
     glm::vec2 picture_;
-    // How far sample positions lie from pixel centres: a box grows by this so that it covers the centres of
-    // all pixels whose samples it holds.
+    // How far E's places lie from pixel centres: a box grows by this so that it covers the centres of all
+    // pixels in which it holds one.
     glm::vec2 grow_low_, grow_high_;
+    glm::vec2 cells_;  // a pixel
 };
 
 }  // namespace dapple::methods

@@ -12,7 +12,7 @@ Floats area(Vectors3 a, Vectors3 b) {
 
 }  // namespace
 
-/// No size of its own: the kernel makes it a pixel.
+/// No size of its own: the kernel makes it a sample's cell.
 Footprints point_footprint(const PhotonGrid&, const Photons&, const PhotonHits&) {
     return {};
 }

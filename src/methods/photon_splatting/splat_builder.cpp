@@ -53,7 +53,7 @@ public:
           grid_(scene, mesh),
           power_(scene, media, grid_, style.paper_power),
           emitter_(scene, grid_),
-          picture_(scene),
+          picture_(scene, style.kernel.widened),
           largest_point_(largest_point) {
         const scene::Light& light = scene.state.lights[static_cast<std::size_t>(mesh.light)];
         // Refraction into the water narrows the disc by 1/n across the plane of incidence and by more, cos(i)
@@ -136,8 +136,8 @@ private:
         out.without_neighbors += static_cast<std::size_t>(
             __builtin_popcount(lanes::bits(on & landed & footprints.without_neighbors)));
         KernelMetric metric;
-        metric.pixel_from_first = planes.pixel_from_right;
-        metric.pixel_from_second = planes.pixel_from_up;
+        metric.cell_from_first = planes.cell_from_right;
+        metric.cell_from_second = planes.cell_from_up;
         const auto on_plane = [&](Vectors3 v) { return Vectors2{dot(v, right), dot(v, up)}; };
         const Vectors2 lean = on_plane(hits.beam);
         metric.beam = {1.0f - lean.x * lean.x, -lean.x * lean.y, 1.0f - lean.y * lean.y};

@@ -8,6 +8,7 @@
 #include "gpu/pass_list.h"
 #include "layout/splat.h"
 #include "methods/photon_splatting/receiver_code.h"
+#include "methods/photon_splatting/sample_place.h"
 #include "spirv/photon_splatting_box_1_frag.h"
 #include "spirv/photon_splatting_box_4_frag.h"
 #include "spirv/photon_splatting_paper_1_frag.h"
@@ -42,13 +43,14 @@ bool is_covered(std::uint32_t flags) {
     return (flags & view::kReceiver) != 0 && (flags & view::kBehindSpecular) == 0;
 }
 
-void write_receivers(const view::ReceiverLayer& layer, std::span<glm::vec4> texels) {
+void write_receivers(const view::ReceiverLayer& layer, const SamplePlace& place,
+                     std::span<glm::vec4> texels) {
     parallel_for(layer.pixels(), kTile, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             const std::uint32_t flags = layer.flags[i];
             const std::uint32_t code =
                 is_covered(flags) ? receiver_code(layer.shading_normal[i], (flags & view::kInWater) != 0) : 0;
-            texels[i] = code == 0 ? glm::vec4(0) : glm::vec4(layer.position[i], std::bit_cast<float>(code));
+            texels[i] = code == 0 ? glm::vec4(0) : glm::vec4(place.of(layer, i), std::bit_cast<float>(code));
         }
     });
 }
@@ -265,7 +267,8 @@ void SplatRenderer::render(const scene::FrameScene& scene, const SplatStyle& sty
             const ScopedPass pass(stats, "splatting");
             for (const view::ReceiverLayer& layer : part) {
                 images.emplace_back(state_->device, layer.width, layer.height);
-                write_receivers(layer, images.back().staging.as<glm::vec4>());
+                const SamplePlace place(layer.sample, scene.state.clip.samples, style.kernel.widened);
+                write_receivers(layer, place, images.back().staging.as<glm::vec4>());
             }
         }
         gpu::PassList passes(state_->device);
