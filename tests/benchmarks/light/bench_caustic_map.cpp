@@ -5,15 +5,18 @@
 //
 //     bench_caustic_map [repetitions] [photons along a side...]
 #include <embree3/rtcore.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <array>
 #include <cstdio>
 #include <cstdlib>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "base/hash.h"
 #include "base/parallel.h"
 #include "base/stats.h"
 #include "gpu/pass_list.h"
@@ -37,10 +40,10 @@ using namespace dapple;
 constexpr int kWidth = 960, kHeight = 540;
 constexpr int kCells = 512;  // half a million triangles, as pool.yaml has
 
-/// CPU seconds by name, one entry a repetition.
+/// Numbers by name, one entry a repetition.
 class Costs {
 public:
-    void add(const std::string& name, double seconds) { of_[name].push_back(seconds); }
+    void add(const std::string& name, double number) { of_[name].push_back(number); }
     double median(const std::string& name) {
         std::vector<double>& all = of_[name];
         if (all.empty()) return 0;
@@ -54,9 +57,18 @@ private:
 
 template <class Work>
 void measure(Costs& costs, const char* name, const Work& work) {
+    rusage first{}, last{};
+    getrusage(RUSAGE_SELF, &first);
     const double before = cpu_seconds();
     work();
     costs.add(name, cpu_seconds() - before);
+    getrusage(RUSAGE_SELF, &last);
+    const auto system = [](const rusage& usage) {
+        return static_cast<double>(usage.ru_stime.tv_sec) +
+               1e-6 * static_cast<double>(usage.ru_stime.tv_usec);
+    };
+    costs.add(std::string(name) + ", system", system(last) - system(first));
+    costs.add(std::string(name) + ", faults", static_cast<double>(last.ru_minflt - first.ru_minflt));
 }
 
 /// The scene's planes and boxes in an Embree scene of the settings of src/rays, and rays in packets.
@@ -179,11 +191,13 @@ public:
     }
 
     void map(int columns, int rows) {
-        const gpu::Image color(device_, "map", columns, rows, gpu::Format::rgba32f);
-        const gpu::Image depth(device_, "depth", columns, rows, gpu::Format::depth32f);
+        if (!color_ || color_->width() != columns || color_->height() != rows) {
+            color_.emplace(device_, "map", columns, rows, gpu::Format::rgba32f);
+            depth_.emplace(device_, "depth", columns, rows, gpu::Format::depth32f);
+        }
         gpu::PassList passes(device_);
         FrameStats stats;
-        passes.draw("map", mesh_, {.buffers = {&vertices_}}, {.colors = {&color}, .depth = &depth},
+        passes.draw("map", mesh_, {.buffers = {&vertices_}}, {.colors = {&*color_}, .depth = &*depth_},
                     {.vertices = static_cast<std::uint32_t>(indices_.bytes() / sizeof(std::uint32_t)),
                      .index_buffer = &indices_});
         passes.run(stats);
@@ -197,7 +211,7 @@ public:
     void take(const methods::Splats& splats) {
         for (const auto* bands : {&splats.points, &splats.quads}) {
             std::vector<Sprite>& all = waiting_[bands == &splats.points ? 0 : 1];
-            for (const std::vector<layout::Splat>& band : *bands)
+            for (const LargeVector<layout::Splat>& band : *bands)
                 for (const layout::Splat& splat : band) {
                     const float side = bands == &splats.points
                                            ? 2 * std::max(splat.edge_a.x, splat.edge_b.y)
@@ -251,6 +265,7 @@ private:
     gpu::RasterPipeline mesh_, points_;
     gpu::Buffer vertices_, indices_;
     gpu::Image picture_;
+    std::optional<gpu::Image> color_, depth_;     // of the map: memory that is there already
     std::array<std::vector<Sprite>, 2> waiting_;  // points, quads
     std::vector<gpu::Buffer> sprites_;
     double covered_ = 0;
@@ -349,6 +364,15 @@ private:
             "%.0f; splatting %.0f\n",
             ms("tracing"), ms("caustic map"), ms("refraction"), ms("light shadows"), ms("landing"),
             ms("footprints"), ms("splatting"));
+        const auto all = [&](const char* what) {
+            double sum = 0;
+            for (const char* part : {"tracing", "landing", "footprints"})
+                sum += costs.median(std::string(part) + what);
+            return sum;
+        };
+        std::printf("  system ms (page faults): to footprints %.0f (%.0f), splatting %.0f (%.0f)\n",
+                    1e3 * all(", system"), all(", faults"), ms("splatting, system"),
+                    costs.median("splatting, faults"));
         std::printf("  bare: map %.0f, shadow rays %.0f, landing rays %.0f; sprites %.0f\n", ms("bare map"),
                     ms("bare shadows"), ms("bare landing"), ms("bare splatting"));
         std::printf("  ratio: map to landing %.2f, with footprints %.2f; splatting %.2f; all %.2f\n",
@@ -357,6 +381,9 @@ private:
         std::printf("  ns: a photon %.0f; splatting, a splat %.0f, a covered pixel %.1f\n",
                     1e6 * pass / photons, 1e6 * ms("splatting") / static_cast<double>(splats_),
                     1e6 * ms("splatting") / covered);
+        const std::vector<glm::vec3>& irradiance = results_[0].irradiance;
+        std::printf("  bits of E: %s\n",
+                    content_hash(irradiance.data(), irradiance.size() * sizeof(glm::vec3)).c_str());
         std::fflush(stdout);
     }
 
