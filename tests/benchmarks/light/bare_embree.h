@@ -11,7 +11,6 @@
 #include "rays/shape_mesh.h"
 #include "scene/frame_scene.h"
 
-/// The least that rays can cost.
 namespace dapple::test {
 
 /// The scene's planes and boxes in an Embree scene of the settings of src/rays, and rays in packets.
