@@ -8,6 +8,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "base/large_pages.h"
 #include "gpu/device_state.h"
 
 namespace dapple::gpu {
@@ -356,9 +357,17 @@ vk::raii::DeviceMemory Device::State::allocate(const vk::MemoryRequirements& req
     const auto allocated = [&](vk::MemoryPropertyFlags wanted) -> std::optional<vk::raii::DeviceMemory> {
         for (std::uint32_t i = 0; i < memory.memoryTypeCount; ++i)
             if ((requirements.memoryTypeBits >> i & 1u) &&
-                (memory.memoryTypes[i].propertyFlags & wanted) == wanted)
-                return vk::raii::DeviceMemory(device,
-                                              {.allocationSize = requirements.size, .memoryTypeIndex = i});
+                (memory.memoryTypes[i].propertyFlags & wanted) == wanted) {
+                vk::raii::DeviceMemory made(device,
+                                            {.allocationSize = requirements.size, .memoryTypeIndex = i});
+                // The memory of a device that is the processor is the process's own.
+                if (info.type == DeviceType::cpu &&
+                    (memory.memoryTypes[i].propertyFlags & vk::MemoryPropertyFlagBits::eHostVisible)) {
+                    prefer_large_pages(made.mapMemory(0, VK_WHOLE_SIZE), requirements.size);
+                    made.unmapMemory();
+                }
+                return made;
+            }
         return std::nullopt;
     };
     try {

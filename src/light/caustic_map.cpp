@@ -5,6 +5,7 @@
 #include <iterator>
 #include <optional>
 
+#include "base/large_pages.h"
 #include "base/parallel.h"
 #include "gpu/pass_list.h"
 #include "layout/caustic_map.h"
@@ -109,12 +110,12 @@ BeamMesh empty_mesh(const scene::FrameScene& scene, const MapPlan& plan, int lig
     mesh.columns = plan.columns;
     mesh.texel = glm::mat2(plan.texel);
     const std::size_t vertices = static_cast<std::size_t>(plan.rows) * static_cast<std::size_t>(plan.columns);
-    mesh.origin.resize(vertices);
-    mesh.slope.resize(vertices);
-    mesh.start.resize(vertices);
-    mesh.flux.resize(vertices);
-    mesh.valid.resize(vertices);
-    if (plan.weighted()) mesh.weight.resize(vertices);
+    resize_large(mesh.origin, vertices);
+    resize_large(mesh.slope, vertices);
+    resize_large(mesh.start, vertices);
+    resize_large(mesh.flux, vertices);
+    resize_large(mesh.valid, vertices);
+    if (plan.weighted()) resize_large(mesh.weight, vertices);
     if (whole(plan)) return mesh;  // all of it will be written
     std::fill(mesh.origin.begin(), mesh.origin.end(), glm::vec3(0));
     std::fill(mesh.slope.begin(), mesh.slope.end(), glm::vec3(mesh.axis));  // finite where no ray is traced

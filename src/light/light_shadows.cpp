@@ -1,11 +1,13 @@
 #include "light/light_shadows.h"
 
 #include <algorithm>
+#include <array>
 #include <numeric>
 #include <vector>
 
 #include "base/parallel.h"
 #include "light/grid_blocks.h"
+#include "light/ray_batch.h"
 
 namespace dapple::light {
 
@@ -39,30 +41,31 @@ std::size_t shadow_meshes(std::span<BeamMesh> meshes, const scene::FrameScene& s
     const GridBlocks blocks(first.rows, first.columns);
     std::vector<std::size_t> shadowed(blocks.bands(), 0);
     parallel_for(blocks.bands(), 1, [&](std::size_t begin, std::size_t end) {
-        std::vector<rays::Ray> way;
-        std::vector<std::size_t> vertex;
-        std::vector<std::uint8_t> occluded;
-        for (std::size_t band = begin; band < end; ++band) {
-            way.clear();
-            vertex.clear();
-            blocks.visit_band(band, [&](std::size_t i) {
-                if (std::none_of(meshes.begin(), meshes.end(), [i](const BeamMesh& m) { return m.lit(i); }))
-                    return;
-                way.push_back(ray_to_light(scene, light, first.origin[i] + first.start[i] * first.slope[i]));
-                vertex.push_back(i);
-            });
-            occluded.assign(way.size(), 0);
-            rays.occluded_by_objects(way, occluded);
-            for (std::size_t k = 0; k < vertex.size(); ++k) {
+        RayBatch batch;
+        std::array<std::uint8_t, RayBatch::kMost> occluded;
+        const auto trace = [&](std::size_t& count) {
+            const std::span<const std::size_t> vertices = batch.vertices();
+            rays.occluded_by_objects(batch.rays(), std::span(occluded).first(vertices.size()));
+            for (std::size_t k = 0; k < vertices.size(); ++k) {
                 if (!occluded[k]) continue;
                 bool carried = false;
                 for (BeamMesh& mesh : meshes) {
-                    carried = carried || mesh.flux[vertex[k]] > 0;
-                    mesh.flux[vertex[k]] = 0;
-                    if (mesh.valid[vertex[k]] != 0) mesh.valid[vertex[k]] = BeamMesh::kShadowed;
+                    carried = carried || mesh.flux[vertices[k]] > 0;
+                    mesh.flux[vertices[k]] = 0;
+                    if (mesh.valid[vertices[k]] != 0) mesh.valid[vertices[k]] = BeamMesh::kShadowed;
                 }
-                shadowed[band] += carried ? 1 : 0;
+                count += carried ? 1 : 0;
             }
+            batch.clear();
+        };
+        for (std::size_t band = begin; band < end; ++band) {
+            blocks.visit_band(band, [&](std::size_t i) {
+                if (std::none_of(meshes.begin(), meshes.end(), [i](const BeamMesh& m) { return m.lit(i); }))
+                    return;
+                batch.add(i) = ray_to_light(scene, light, first.origin[i] + first.start[i] * first.slope[i]);
+                if (batch.full()) trace(shadowed[band]);
+            });
+            trace(shadowed[band]);
         }
     });
     return std::accumulate(shadowed.begin(), shadowed.end(), std::size_t{0});

@@ -102,6 +102,9 @@ inline void set_lane(Vectors3& v, std::size_t k, glm::vec3 value) {
 inline Floats load(const float* eight) {
     return reinterpret_cast<Floats>(_mm256_loadu_ps(eight));
 }
+inline void store(float* eight, Floats value) {
+    _mm256_storeu_ps(eight, reinterpret_cast<__m256>(value));
+}
 inline Vectors3 load(const glm::vec3* eight) {
     const float* p = &eight->x;
     const auto halves = [p](int low, int high) {

@@ -45,13 +45,10 @@ bool PhotonGrid::inner(std::size_t first) const {
 }
 
 RayLanes PhotonGrid::rays_from(std::size_t first) const {
-    RayLanes rays;
-    rays.origin = load(&mesh_.origin[first]);
-    rays.slope = load(&mesh_.slope[first]);
-    rays.start = load(&mesh_.start[first]);
-    rays.surface = rays.origin + rays.start * rays.slope;
-    rays.water = mesh_.mirrored() ? load(&mesh_.water_point[first]) : rays.surface;
-    return rays;
+    const Vectors3 origin = load(&mesh_.origin[first]), slope = load(&mesh_.slope[first]);
+    const Floats start = load(&mesh_.start[first]);
+    const Vectors3 surface = origin + start * slope;
+    return {origin, slope, start, surface, mesh_.mirrored() ? load(&mesh_.water_point[first]) : surface};
 }
 
 RayLanes PhotonGrid::rays_at(const std::array<std::size_t, kPhotons>& index) const {
@@ -68,31 +65,26 @@ RayLanes PhotonGrid::rays_at(const std::array<std::size_t, kPhotons>& index) con
     return rays;
 }
 
-void PhotonGrid::connect(Photons& photons) const {
-    for (Photons::Beside& beside : photons.beside) {
-        const Vectors3 apart = beside.ray.water - photons.own.water;
-        beside.connected &= dot(apart, apart) <= farthest_ * farthest_;
-    }
+Flags PhotonGrid::near(const RayLanes& own, const RayLanes& other) const {
+    const Vectors3 apart = other.water - own.water;
+    return dot(apart, apart) <= farthest_ * farthest_;
 }
 
 Photons PhotonGrid::in_row(std::size_t first, std::size_t count) const {
-    Photons photons;
-    for (std::size_t k = 0; k < kPhotons; ++k) photons.vertex[k] = first + std::min(k, count - 1);
-    if (!inner(first)) return of(std::span(photons.vertex).first(count));
-    photons.on = first_of(count);
-    photons.own = rays_from(first);
-    const auto column = static_cast<std::int32_t>(first % columns_);
-    const Flags columns = Flags{0, 1, 2, 3, 4, 5, 6, 7} + column;
-    const std::array<std::size_t, 4> from = {first - 1, first + 1, first - columns_, first + columns_};
-    for (std::size_t side = 0; side < 4; ++side) {
-        Photons::Beside& beside = photons.beside[side];
-        beside.ray = rays_from(from[side]);
-        beside.present = all(true);
-        if (side == 0) beside.present = columns > 0;
-        if (side == 1) beside.present = columns < static_cast<std::int32_t>(columns_) - 1;
-        beside.connected = beside.present & load(&mesh_.valid[from[side]]);
-    }
-    connect(photons);
+    std::array<std::size_t, kPhotons> vertex;
+    for (std::size_t k = 0; k < kPhotons; ++k) vertex[k] = first + std::min(k, count - 1);
+    const Flags columns = Flags{0, 1, 2, 3, 4, 5, 6, 7} + static_cast<std::int32_t>(first % columns_);
+    const auto beside = [&](std::size_t from, Flags present) {
+        return Photons::Beside{rays_from(from), present, present & load(&mesh_.valid[from])};
+    };
+    // Made where it is returned to: it is too large to be cleared or copied for eight photons.
+    Photons photons{
+        vertex,
+        first_of(count),
+        rays_from(first),
+        {beside(first - 1, columns > 0), beside(first + 1, columns < static_cast<std::int32_t>(columns_) - 1),
+         beside(first - columns_, all(true)), beside(first + columns_, all(true))}};
+    for (Photons::Beside& one : photons.beside) one.connected &= near(photons.own, one.ray);
     return photons;
 }
 
@@ -114,8 +106,8 @@ Photons PhotonGrid::of(std::span<const std::size_t> vertices) const {
             beside.connected[k] = mesh_.valid[at[k]] != 0 ? -1 : 0;
         }
         beside.ray = rays_at(at);
+        beside.connected &= near(photons.own, beside.ray);
     }
-    connect(photons);
     return photons;
 }
 

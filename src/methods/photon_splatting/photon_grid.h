@@ -66,7 +66,7 @@ public:
     /// Index of the medium that the light comes through over that of the other.
     float eta() const { return eta_; }
 
-    /// `count` photons from `first` on, one to eight of one row.
+    /// `count` photons from `first` on, one to eight of one row, of which `inner` is true.
     Photons in_row(std::size_t first, std::size_t count) const;
     /// One to eight of any.
     Photons of(std::span<const std::size_t> vertices) const;
@@ -110,7 +110,8 @@ public:
 private:
     RayLanes rays_from(std::size_t first) const;
     RayLanes rays_at(const std::array<std::size_t, kPhotons>& index) const;
-    void connect(Photons& photons) const;
+    /// Whether two rays left the water so closely together that it is one sheet between them.
+    Flags near(const RayLanes& own, const RayLanes& other) const;
 
     const light::BeamMesh& mesh_;
     std::size_t columns_, rows_;

@@ -53,19 +53,13 @@ Vectors3 PictureMap::pixels_of(Vectors3 vector) const {
 }
 
 PlaneViews PictureMap::look_at(Vectors3 point, Vectors3 right, Vectors3 up) const {
-    PlaneViews views;
-    views.point = pixels_of(point) + all(offset_);
-    views.right = pixels_of(right);
-    views.up = pixels_of(up);
-    views.in_front = views.point.z >= kNearest;
-    const Floats inverse = 1.0f / views.point.z;
-    const Floats x = inverse * views.point.x, y = inverse * views.point.y;
+    const Vectors3 at = pixels_of(point) + all(offset_), along = pixels_of(right), across = pixels_of(up);
+    const Floats inverse = 1.0f / at.z;
+    const Floats x = inverse * at.x, y = inverse * at.y;
     const auto derivative = [&](Vectors3 v) {
         return inverse * Vectors2{cells_.x * (v.x - x * v.z), cells_.y * (v.y - y * v.z)};
     };
-    views.cell_from_right = derivative(views.right);
-    views.cell_from_up = derivative(views.up);
-    return views;
+    return {at, along, across, at.z >= kNearest, derivative(along), derivative(across)};
 }
 
 Flags PictureMap::holds(const PlaneViews& planes) const {
@@ -81,21 +75,17 @@ Vectors3 PictureMap::to_camera(Vectors3 point) const {
 PictureCorners PictureMap::corners(const PlaneViews& planes, Vectors2 first, Vectors2 second) const {
     const auto in_plane = [&](Vectors2 v) { return v.x * planes.right + v.y * planes.up; };
     const Vectors3 a = in_plane(first), b = in_plane(second);
-    PictureCorners corners;
-    corners.in_front = all(true);
+    Flags in_front = all(true);
     // A corner behind the camera: where the surface passes the camera so closely that nothing of it is in the
     // picture but the far part, which the corner at the near plane bounds on the far side only.
     const auto corner = [&](Vectors3 at) {
-        corners.in_front &= at.z > kNearest;
+        in_front &= at.z > kNearest;
         const Floats inverse = 1.0f / greater(at.z, all(kNearest));
         return Vectors2{inverse * at.x, inverse * at.y};
     };
     const Vectors3 low = planes.point - a, high = planes.point + a;
-    corners.nn = corner(low - b);
-    corners.np = corner(low + b);
-    corners.pn = corner(high - b);
-    corners.pp = corner(high + b);
-    return corners;
+    const Vectors2 nn = corner(low - b), np = corner(low + b), pn = corner(high - b), pp = corner(high + b);
+    return {nn, np, pn, pp, in_front};
 }
 
 Flags PictureMap::box(const PictureCorners& corners, PictureCovers& covers) const {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 
 #include "base/parallel.h"
 #include "base/transpose.h"
@@ -28,8 +27,8 @@ static_assert(kSplatFloats == 3 * kPhotons);
 
 /// What one band gives.
 struct Band {
-    std::vector<layout::Splat>& points;
-    std::vector<layout::Splat>& quads;
+    LargeVector<layout::Splat>& points;
+    LargeVector<layout::Splat>& quads;
     std::size_t without_neighbors = 0;
     double lost = 0;
 };
@@ -147,13 +146,11 @@ private:
             metric.disc_radius = all(2.0f);
             metric.beam = emitter_.inverse_covariance(photons, hits, right, up);
         }
-        ReducedLattice lattice;
-        lattice[0] = {on_plane(footprints.first), on_plane(footprints.second), all(1.0f)};
-        std::size_t bases = 1;
-        if (style_.reduced) {
-            lattice = reduce_lattice(lattice[0].first, lattice[0].second, reduction_metric(metric));
-            bases = lattice.size();
-        }
+        const Vectors2 first = on_plane(footprints.first), second = on_plane(footprints.second);
+        const std::size_t bases = style_.reduced ? 3 : 1;
+        const ReducedLattice lattice = style_.reduced
+                                           ? reduce_lattice(first, second, reduction_metric(metric))
+                                           : ReducedLattice{{{first, second, all(1.0f)}, {}, {}}};
         const Plane plane{hits, cross(right, hits.beam), cross(up, hits.beam), dot(hits.beam, normal),
                           footprints.gain * power_.at(photons, hits)};
         for (std::size_t b = 0; b < bases; ++b) {
@@ -209,8 +206,9 @@ private:
         for (unsigned left = lanes::bits(on); left != 0; left &= left - 1) {
             const auto k = static_cast<std::size_t>(__builtin_ctz(left));
             layout::Splat& splat = ((as_quads >> k & 1) != 0 ? out.quads : out.points).emplace_back();
-            const std::array<Floats, 3> floats = {rows[0][k], rows[1][k], rows[2][k]};
-            std::memcpy(&splat, floats.data(), sizeof splat);
+            auto* floats = reinterpret_cast<float*>(&splat);
+            for (std::size_t part = 0; part < rows.size(); ++part)
+                store(floats + kPhotons * part, rows[part][k]);
         }
     }
 
@@ -272,6 +270,7 @@ void build_splats(const scene::FrameScene& scene, const media::Media& media, con
         parallel_for(count, 1, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
                 splats.points[i].clear();
+                splats.points[i].reserve(kBandRows * static_cast<std::size_t>(mesh.columns));
                 splats.quads[i].clear();
                 Band band{splats.points[i], splats.quads[i]};
                 builder.build(first + i, band);

@@ -4,6 +4,7 @@
 #include <glm/glm.hpp>
 #include <vector>
 
+#include "base/large_vector.h"
 #include "layout/splat.h"
 #include "light/beam_mesh.h"
 #include "light/landing.h"
@@ -18,8 +19,8 @@ inline constexpr std::size_t kStretchPhotons = 1 << 17;
 
 /// Splats that the camera may see, of a stretch of the mesh, cut into the fixed bands of the loop.
 struct Splats {
-    std::vector<std::vector<layout::Splat>> points;  ///< a band each
-    std::vector<std::vector<layout::Splat>> quads;   ///< those wider than a point sprite can be
+    std::vector<LargeVector<layout::Splat>> points;  ///< a band each
+    std::vector<LargeVector<layout::Splat>> quads;   ///< those wider than a point sprite can be
     std::size_t without_neighbors =
         0;            ///< landed rays alone on their sheet of the water in a direction of the grid
     double lost = 0;  ///< W, mean of the channels: of footprints without area, which cannot be drawn

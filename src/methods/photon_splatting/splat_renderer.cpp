@@ -110,22 +110,24 @@ public:
     SplatList(gpu::Device& device, std::size_t largest_buffer)
         : device_(device), most_(std::max<std::size_t>(1, largest_buffer / sizeof(Splat))) {}
 
+    /// Keeps the buffers that were used, since memory that is there already costs nothing to write to.
     void clear() {
-        chunks_.clear();
+        std::erase_if(chunks_, [](const Chunk& chunk) { return chunk.count == 0; });
+        for (Chunk& chunk : chunks_) chunk.count = 0;
         size_ = 0;
     }
     std::size_t size() const { return size_; }
 
     /// Appends the bands one after another.
-    void add(const std::vector<std::vector<Splat>>& bands) {
+    void add(const std::vector<LargeVector<Splat>>& bands) {
         struct Piece {
             std::span<const Splat> from;
             Splat* to;
         };
         std::vector<Piece> pieces;
         std::size_t left = 0;  // of these bands
-        for (const std::vector<Splat>& band : bands) left += band.size();
-        for (const std::vector<Splat>& band : bands) {
+        for (const LargeVector<Splat>& band : bands) left += band.size();
+        for (const LargeVector<Splat>& band : bands) {
             std::span<const Splat> rest = band;
             while (!rest.empty()) {
                 Chunk& chunk = with_room(left);
@@ -146,7 +148,8 @@ public:
     /// `draw(buffer, count)` for each.
     template <class DrawBuffer>
     void each(DrawBuffer&& draw) const {
-        for (const Chunk& chunk : chunks_) draw(chunk.buffer, static_cast<std::uint32_t>(chunk.count));
+        for (const Chunk& chunk : chunks_)
+            if (chunk.count > 0) draw(chunk.buffer, static_cast<std::uint32_t>(chunk.count));
     }
 
 private:
@@ -156,14 +159,14 @@ private:
         std::size_t room() const { return buffer.bytes() / sizeof(Splat); }
     };
 
-    /// The last buffer, or a new one: a draw each, so they grow to the largest that there is.
+    /// The first buffer that is not full, or a new one: a draw each, so they grow to the largest that there
+    /// is.
     Chunk& with_room(std::size_t wanted) {
-        if (chunks_.empty() || chunks_.back().count == chunks_.back().room()) {
-            const std::size_t room = std::min(most_, std::max(wanted, size_));
-            chunks_.push_back(
-                {gpu::Buffer(device_, "splats", room * sizeof(Splat), gpu::BufferMemory::device), 0});
-        }
-        return chunks_.back();
+        for (Chunk& chunk : chunks_)
+            if (chunk.count < chunk.room()) return chunk;
+        const std::size_t room = std::min(most_, std::max(wanted, size_));
+        return chunks_.emplace_back(
+            Chunk{gpu::Buffer(device_, "splats", room * sizeof(Splat), gpu::BufferMemory::device), 0});
     }
 
     gpu::Device& device_;

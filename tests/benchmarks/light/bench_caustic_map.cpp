@@ -4,17 +4,19 @@
 // of all threads, medians; parts and limits take turns, so that what else the machine does falls on both.
 //
 //     bench_caustic_map [repetitions] [photons along a side...]
-#include <embree3/rtcore.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <array>
 #include <cstdio>
 #include <cstdlib>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "base/parallel.h"
+#include "bare_embree.h"
+#include "base/hash.h"
 #include "base/stats.h"
 #include "gpu/pass_list.h"
 #include "light/caustic_map.h"
@@ -24,7 +26,6 @@
 #include "methods/coverage_scene.h"  // of the tests
 #include "methods/photon_splatting/splat_builder.h"
 #include "methods/photon_splatting/splat_renderer.h"
-#include "rays/shape_mesh.h"
 #include "spirv/light_caustic_map_frag.h"
 #include "spirv/test_flat_frag.h"
 #include "spirv/test_sprites_vert.h"
@@ -37,10 +38,10 @@ using namespace dapple;
 constexpr int kWidth = 960, kHeight = 540;
 constexpr int kCells = 512;  // half a million triangles, as pool.yaml has
 
-/// CPU seconds by name, one entry a repetition.
+/// Numbers by name, one entry a repetition.
 class Costs {
 public:
-    void add(const std::string& name, double seconds) { of_[name].push_back(seconds); }
+    void add(const std::string& name, double number) { of_[name].push_back(number); }
     double median(const std::string& name) {
         std::vector<double>& all = of_[name];
         if (all.empty()) return 0;
@@ -54,102 +55,19 @@ private:
 
 template <class Work>
 void measure(Costs& costs, const char* name, const Work& work) {
+    rusage first{}, last{};
+    getrusage(RUSAGE_SELF, &first);
     const double before = cpu_seconds();
     work();
     costs.add(name, cpu_seconds() - before);
+    getrusage(RUSAGE_SELF, &last);
+    const auto system = [](const rusage& usage) {
+        return static_cast<double>(usage.ru_stime.tv_sec) +
+               1e-6 * static_cast<double>(usage.ru_stime.tv_usec);
+    };
+    costs.add(std::string(name) + ", system", system(last) - system(first));
+    costs.add(std::string(name) + ", faults", static_cast<double>(last.ru_minflt - first.ru_minflt));
 }
-
-/// The scene's planes and boxes in an Embree scene of the settings of src/rays, and rays in packets.
-class BareEmbree {
-public:
-    explicit BareEmbree(const scene::FrameScene& frame)
-        : device_(rtcNewDevice("isa=avx2")), scene_(rtcNewScene(device_)) {
-        rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
-        for (const scene::Object& object : frame.state.objects) {
-            const scene::TriangleMesh mesh = object.shape == scene::Shape::box
-                                                 ? rays::box_mesh(object.size)
-                                                 : rays::plane_mesh(object.size);
-            RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
-            auto* positions = static_cast<glm::vec3*>(
-                rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                        sizeof(glm::vec3), mesh.positions.size()));
-            auto* triangles = static_cast<glm::uvec3*>(
-                rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                                        sizeof(glm::uvec3), mesh.triangles.size()));
-            for (std::size_t i = 0; i < mesh.positions.size(); ++i)
-                positions[i] = glm::vec3(mesh.positions[i] + object.transform.position - frame.origin);
-            std::copy(mesh.triangles.begin(), mesh.triangles.end(), triangles);
-            rtcCommitGeometry(geometry);
-            rtcAttachGeometry(scene_, geometry);
-            rtcReleaseGeometry(geometry);
-        }
-        rtcCommitScene(scene_);
-    }
-    ~BareEmbree() {
-        rtcReleaseScene(scene_);
-        rtcReleaseDevice(device_);
-    }
-    BareEmbree(const BareEmbree&) = delete;
-    BareEmbree& operator=(const BareEmbree&) = delete;
-
-    /// Whole packets; rays that would fill only part of one are left out.
-    static std::vector<RTCRay8> packets(const std::vector<rays::Ray>& rays) {
-        std::vector<RTCRay8> result(rays.size() / 8);
-        for (std::size_t i = 0; i < 8 * result.size(); ++i) {
-            RTCRay8& ray = result[i / 8];
-            const std::size_t lane = i % 8;
-            ray.org_x[lane] = rays[i].origin.x;
-            ray.org_y[lane] = rays[i].origin.y;
-            ray.org_z[lane] = rays[i].origin.z;
-            ray.dir_x[lane] = rays[i].direction.x;
-            ray.dir_y[lane] = rays[i].direction.y;
-            ray.dir_z[lane] = rays[i].direction.z;
-            ray.tnear[lane] = rays[i].near;
-            ray.tfar[lane] = rays[i].far;
-            ray.mask[lane] = ~0u;
-            ray.time[lane] = 0;
-            ray.flags[lane] = 0;
-            ray.id[lane] = 0;
-        }
-        return result;
-    }
-
-    void intersect(const std::vector<RTCRay8>& packets) const {
-        each(packets, [this](const int* valid, RTCIntersectContext& context, const RTCRay8& ray) {
-            RTCRayHit8 packet;
-            packet.ray = ray;
-            std::fill_n(packet.hit.geomID, 8, RTC_INVALID_GEOMETRY_ID);
-            rtcIntersect8(valid, scene_, &context, &packet);
-            return packet.ray.tfar[0];
-        });
-    }
-    void occluded(const std::vector<RTCRay8>& packets) const {
-        each(packets, [this](const int* valid, RTCIntersectContext& context, RTCRay8 ray) {
-            rtcOccluded8(valid, scene_, &context, &ray);
-            return ray.tfar[0];
-        });
-    }
-
-private:
-    template <class Query>
-    static void each(const std::vector<RTCRay8>& packets, const Query& query) {
-        std::vector<float> sums(packets.size() / kTile + 1);  // so that nothing is optimised away
-        parallel_for(packets.size(), kTile, [&](std::size_t begin, std::size_t end) {
-            alignas(32) const int valid[8] = {-1, -1, -1, -1, -1, -1, -1, -1};
-            RTCIntersectContext context;
-            rtcInitIntersectContext(&context);
-            context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-            for (std::size_t i = begin; i < end; ++i)
-                sums[begin / kTile] += query(valid, context, packets[i]);
-        });
-        volatile float sum = 0;
-        for (const float tile : sums) sum = sum + tile;
-    }
-
-    static constexpr std::size_t kTile = 512;
-    RTCDevice device_;
-    RTCScene scene_;
-};
 
 /// A draw without anything that a method would do.
 class BareRaster {
@@ -179,11 +97,13 @@ public:
     }
 
     void map(int columns, int rows) {
-        const gpu::Image color(device_, "map", columns, rows, gpu::Format::rgba32f);
-        const gpu::Image depth(device_, "depth", columns, rows, gpu::Format::depth32f);
+        if (!color_ || color_->width() != columns || color_->height() != rows) {
+            color_.emplace(device_, "map", columns, rows, gpu::Format::rgba32f);
+            depth_.emplace(device_, "depth", columns, rows, gpu::Format::depth32f);
+        }
         gpu::PassList passes(device_);
         FrameStats stats;
-        passes.draw("map", mesh_, {.buffers = {&vertices_}}, {.colors = {&color}, .depth = &depth},
+        passes.draw("map", mesh_, {.buffers = {&vertices_}}, {.colors = {&*color_}, .depth = &*depth_},
                     {.vertices = static_cast<std::uint32_t>(indices_.bytes() / sizeof(std::uint32_t)),
                      .index_buffer = &indices_});
         passes.run(stats);
@@ -197,7 +117,7 @@ public:
     void take(const methods::Splats& splats) {
         for (const auto* bands : {&splats.points, &splats.quads}) {
             std::vector<Sprite>& all = waiting_[bands == &splats.points ? 0 : 1];
-            for (const std::vector<layout::Splat>& band : *bands)
+            for (const LargeVector<layout::Splat>& band : *bands)
                 for (const layout::Splat& splat : band) {
                     const float side = bands == &splats.points
                                            ? 2 * std::max(splat.edge_a.x, splat.edge_b.y)
@@ -251,6 +171,7 @@ private:
     gpu::RasterPipeline mesh_, points_;
     gpu::Buffer vertices_, indices_;
     gpu::Image picture_;
+    std::optional<gpu::Image> color_, depth_;     // of the map: memory that is there already
     std::array<std::vector<Sprite>, 2> waiting_;  // points, quads
     std::vector<gpu::Buffer> sprites_;
     double covered_ = 0;
@@ -332,8 +253,8 @@ private:
                 to_light.push_back(light::ray_to_light(frame_, frame_.state.lights[0], ray.origin));
                 if (mesh.flux[i] > 0) landing.push_back(ray);
             });
-        landing_ = BareEmbree::packets(landing);
-        to_light_ = BareEmbree::packets(to_light);
+        landing_ = test::BareEmbree::packets(landing);
+        to_light_ = test::BareEmbree::packets(to_light);
     }
 
     void print(int side, Costs& costs) const {
@@ -349,6 +270,15 @@ private:
             "%.0f; splatting %.0f\n",
             ms("tracing"), ms("caustic map"), ms("refraction"), ms("light shadows"), ms("landing"),
             ms("footprints"), ms("splatting"));
+        const auto all = [&](const char* what) {
+            double sum = 0;
+            for (const char* part : {"tracing", "landing", "footprints"})
+                sum += costs.median(std::string(part) + what);
+            return sum;
+        };
+        std::printf("  system ms (page faults): to footprints %.0f (%.0f), splatting %.0f (%.0f)\n",
+                    1e3 * all(", system"), all(", faults"), ms("splatting, system"),
+                    costs.median("splatting, faults"));
         std::printf("  bare: map %.0f, shadow rays %.0f, landing rays %.0f; sprites %.0f\n", ms("bare map"),
                     ms("bare shadows"), ms("bare landing"), ms("bare splatting"));
         std::printf("  ratio: map to landing %.2f, with footprints %.2f; splatting %.2f; all %.2f\n",
@@ -357,6 +287,9 @@ private:
         std::printf("  ns: a photon %.0f; splatting, a splat %.0f, a covered pixel %.1f\n",
                     1e6 * pass / photons, 1e6 * ms("splatting") / static_cast<double>(splats_),
                     1e6 * ms("splatting") / covered);
+        const std::vector<glm::vec3>& irradiance = results_[0].irradiance;
+        std::printf("  bits of E: %s\n",
+                    content_hash(irradiance.data(), irradiance.size() * sizeof(glm::vec3)).c_str());
         std::fflush(stdout);
     }
 
@@ -366,7 +299,7 @@ private:
     light::CausticMapper mapper_;
     methods::SplatRenderer renderer_;
     media::Media media_;
-    BareEmbree bare_rays_;
+    test::BareEmbree bare_rays_;
     BareRaster bare_raster_;
     std::vector<view::ReceiverLayer> layers_;
     std::vector<methods::LayerResult> results_;
