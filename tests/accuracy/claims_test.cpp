@@ -14,7 +14,6 @@
 namespace dapple {
 namespace {
 
-using testing::HasSubstr;
 using testing_tools::Outcome;
 using testing_tools::ScratchFolder;
 
@@ -78,27 +77,28 @@ TEST(ClaimsOfItsOwn, AChangedRowFailsAndBadInputIsRefused) {
     write("changed.yaml", "0.0001");
     const Outcome changed = bench(scratch, scratch / "changed.yaml");
     EXPECT_EQ(changed.code, 6) << changed.output;
-    EXPECT_THAT(changed.output, HasSubstr("changed: error: CHANGED"));
-    EXPECT_THAT(changed.output, HasSubstr("holds by"));
-    EXPECT_THAT(changed.output, HasSubstr("reported"));
+    EXPECT_THAT(changed.output, testing::HasSubstr("changed: error: CHANGED"));
+    EXPECT_THAT(changed.output, testing::HasSubstr("holds by"));
+    EXPECT_THAT(changed.output, testing::HasSubstr("reported"));
     // Again: what is finished stays, and the figures are the same.
     write("changed.yaml", "1");
     const Outcome again = bench(scratch, scratch / "changed.yaml");
     EXPECT_EQ(again.code, 0) << again.output;
-    EXPECT_THAT(testing_tools::file_text(scratch / "out/index.html"), HasSubstr("more photons, less error"));
+    EXPECT_THAT(testing_tools::file_text(scratch / "out/index.html"),
+                testing::HasSubstr("more photons, less error"));
     EXPECT_THAT(testing_tools::file_text(scratch / "out/bench.csv"),
-                HasSubstr("\"photons\",\"count photons\""));
+                testing::HasSubstr("\"photons\",\"count photons\""));
 
     write("wrong.yaml", "high");
     const Outcome wrong = bench(scratch, scratch / "wrong.yaml");
     EXPECT_EQ(wrong.code, 3) << wrong.output;
-    EXPECT_THAT(wrong.output, HasSubstr("rows[0].expected"));
+    EXPECT_THAT(wrong.output, testing::HasSubstr("rows[0].expected"));
     EXPECT_EQ(bench(scratch, scratch / "none.yaml").code, 4);
     const Outcome both = testing_tools::run_program(
         {DAPPLE_PROGRAM, "bench", kClaims + "/timelines/leakage.yaml", "--claims", kClaims},
         scratch / "output.txt");
     EXPECT_EQ(both.code, 2) << both.output;
-    EXPECT_THAT(both.output, HasSubstr("name their own timelines"));
+    EXPECT_THAT(both.output, testing::HasSubstr("name their own timelines"));
 }
 #endif
 

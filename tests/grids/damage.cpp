@@ -16,15 +16,19 @@
 namespace dapple::grids {
 namespace {
 
+void flip_bit(char& byte, std::size_t bit) {
+    byte = static_cast<char>(byte ^ 1 << bit);
+}
+
 std::string damaged(std::string bytes, std::mt19937& random) {
     // The first part says where all others are, and of what type.
     const std::size_t reach = random() % 3 == 0 ? 1500 : bytes.size();
     switch (random() % 4) {
         case 0:
-            bytes[random() % reach] ^= static_cast<char>(1 << random() % 8);
+            flip_bit(bytes[random() % reach], random() % 8);
             break;
         case 1:
-            for (int i = 0; i < 30; ++i) bytes[random() % reach] ^= static_cast<char>(1 << random() % 8);
+            for (int i = 0; i < 30; ++i) flip_bit(bytes[random() % reach], random() % 8);
             break;
         case 2:
             bytes.resize(random() % bytes.size());

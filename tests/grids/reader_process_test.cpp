@@ -63,10 +63,9 @@ TEST(ReaderProcess, MissingProgram) {
 /// Whatever stands in the memory that the reader leaves, it is refused or can be read: run with
 /// AddressSanitizer to see all that this shows.
 TEST(ReaderProcess, DamagedVoxelsAreRefusedOrHarmless) {
+    const std::string smoke = DAPPLE_SOURCE_DIR "/sequences/assets/smoke/smoke.0001.vdb";
     const ProcessOutput output =
-        run_reader({reader_program(), "read", DAPPLE_SOURCE_DIR "/sequences/assets/smoke/smoke.0001.vdb",
-                    "density", "1000000000"},
-                   60, 4096);
+        run_reader({reader_program(), "read", smoke, "density", "1000000000"}, 60, 4096);
     ASSERT_EQ(output.failure, "");
     const std::size_t size = output.voxels.size;
     ASSERT_GT(size, 100000U);

@@ -110,13 +110,13 @@ TEST(Lattice, KernelsOfAnyScaleHaveTheVariancesOfShapePixelAndDiscTogether) {
                 const Kernel kernel = widened(basis, metric, {shape, scale});
                 const auto variance = [&](float extent, float box) {
                     const float core = extent * (1 - box), half = extent * box;
-                    return core * core / (shape == KernelShape::tent ? 6 : 3) + half * half / 3;
+                    return core * core / (shape == KernelShape::tent ? 6.0f : 3.0f) + half * half / 3;
                 };
                 const auto expected = [&](float spacing) {
                     const float side = scale * spacing;
                     // Tents that sum to one by themselves are not widened by pixels beyond two of them.
                     const bool pixel = shape == KernelShape::box || scale != std::round(scale);
-                    return side * side / (shape == KernelShape::tent ? 6 : 12) + disc * disc / 4 +
+                    return side * side / (shape == KernelShape::tent ? 6.0f : 12.0f) + disc * disc / 4 +
                            (pixel ? 1e-4f / 12 : 0);
                 };
                 EXPECT_NEAR(variance(kernel.first.x, kernel.box_first), expected(0.05f),
