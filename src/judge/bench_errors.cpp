@@ -326,6 +326,7 @@ ErrorJudge::Judged ErrorJudge::judge(const run::OutputPaths& run, const Pixels& 
     errors.bias_error = noise_known ? all.share(std::sqrt(variance_of_luminance)) : 0;
     errors.energy = metrics::share_of(light_sum - reference_light, reference_light);
     errors.flip = flip / static_cast<double>(frames_.size());
+    errors.mean = all.count > 0 ? all.mean / all.count : 0;
     errors.compared = covered_pixels > 0 ? counted / covered_pixels : 0;
     errors.inside = counted > 0 ? inside_only.count / counted : 0;
 

@@ -36,6 +36,7 @@ struct ClipErrors {
     /// no three frames follow each other.
     std::optional<double> flicker;
     std::optional<double> flicker_less_noise;
+    double mean = 0;      ///< the reference's luminance, of the pixels and frames that are compared
     double compared = 0;  ///< share of the reference's covered pixels
     double inside = 0;    ///< share of the compared pixels
 };

@@ -145,8 +145,9 @@ void compare(CaseVerdict& verdict, const CaseRun& run, const ErrorJudge& judge, 
         if (why.empty()) why = run.partly("");
     } else if (errors.compared < kWhole) {
         const double there = energy_tolerance(judge.noise(), errors.compared);
-        verdict.reason += ", where it answers " + change(errors.bias) + " of ±" + percent(there) + " %";
-        if (std::abs(errors.bias) <= there) why = run.partly("");
+        const double off = energy_where_compared(errors, judge.noise());
+        verdict.reason += ", where it answers " + change(off) + " of ±" + percent(there) + " %";
+        if (std::abs(off) <= there) why = run.partly("");
     }
     if (why.empty()) {
         verdict.reason += ": no plan says why";
@@ -170,6 +171,10 @@ ScatteredVerdict scattered_of(const CaseRun& run, const ErrorJudge& judge, const
 double energy_tolerance(const ReferenceNoise& noise, double share) {
     const double deviation = noise.rmse.value_or(0);
     return kEnergyTolerance + (deviation > 0 ? 3 * deviation / std::sqrt(noise.pixels * share) : 0);
+}
+
+double energy_where_compared(const ClipErrors& errors, const ReferenceNoise& noise) {
+    return errors.bias * std::min(1.0, errors.mean / noise.mean);
 }
 
 HardCase judge_hard_case(const std::string& timeline, const std::vector<std::string>& methods,

@@ -41,4 +41,9 @@ HardCase judge_hard_case(const std::string& timeline, const std::vector<std::str
 /// errors of the sum over the pixels that are covered, or over a `share` of these.
 double energy_tolerance(const ReferenceNoise& noise, double share = 1);
 
+/// Light of E that a method lacks or has too much where it is compared, as a share of the reference's there,
+/// or of the mean of its whole picture where that is brighter: shares of next to nothing tell nothing, and
+/// the reference's own pixels run into each other at edges.
+double energy_where_compared(const ClipErrors& errors, const ReferenceNoise& noise);
+
 }  // namespace dapple::judge

@@ -254,6 +254,18 @@ TEST_F(ErrorJudgeTest, ASumOverFewCoveredPixelsMayBeOffByMore) {
     EXPECT_EQ(energy_tolerance(ReferenceNoise{}), 0.01);
 }
 
+TEST_F(ErrorJudgeTest, DarkPartsAreHeldAgainstTheWholePicturesLight) {
+    const ErrorJudge judge = judge_by({{.light = 0.1f, .light_right = 0.3f}});
+    const ClipErrors errors = judge.judge(clip("dark", {{.light = 0}})).errors;
+    EXPECT_NEAR(errors.mean, 0.2, 1e-6);
+    EXPECT_NEAR(energy_where_compared(errors, judge.noise()), -1, 1e-6);
+    ReferenceNoise of_all = judge.noise();
+    of_all.mean = 20;
+    EXPECT_NEAR(energy_where_compared(errors, of_all), -0.01, 1e-6);
+    of_all.mean = 0.02;
+    EXPECT_NEAR(energy_where_compared(errors, of_all), -1, 1e-6);
+}
+
 TEST_F(ErrorJudgeTest, ExposuresAreOfTheFirstMiddleAndLastFrame) {
     // The second frame, which is none of these, would ask for others.
     const ErrorJudge judge = judge_by({{1}, {1000}, {2}, {1e-3f}, {4}});
