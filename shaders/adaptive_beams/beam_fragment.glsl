@@ -31,31 +31,7 @@ layout(location = 1) out vec4 irradiance;  // W/m^2
 
 vec2 place(vec4 ray, vec3 point) { return ray.xy + ray.zw * point.z - point.xy; }
 
-// `face`: as the texels of `faces`.
-vec3 lit(vec3 point, vec3 normal, vec4 face) {
-    vec2 p0 = place(ray_0, point), p1 = place(ray_1, point), p2 = place(ray_2, point);
-    vec3 w = vec3(side(p1, p2), side(p2, p0), side(p0, p1));
-    vec3 share = barycentric(w), end = ends();
-    float below = point.z - dot(share, starts());
-    vec3 light = along_light(share);
-    vec3 way = light.x * frame.a + light.y * frame.b + light.z * frame.axis;
-    float facing = -dot(way, normal);
-    // Of the object that its rays end on the beam lights all faces, wherever they lie between the rays; others only
-    // where they are before the end.
-    float last = face.w == float(listed_ends_on.z)
-                     ? max(max(end.x, end.y), end.z) + end_bias.w
-                     : dot(share, end);
-    if (!one_sign(w) || below < -start_bias || point.z > last || facing <= 0.0 || dot(way, face.xyz) >= 0.0) return vec3(0.0);
-    vec3 area, same, again;
-    ring_areas(vec3(point.z), area, same, again);
-#ifdef BOUNDED
-    below = max(below, 0.0);
-    vec3 depth = light_depth(beam_index, share, point, light, below, below * length(light));
-#else
-    vec3 depth = push.extinction * (max(below, 0.0) * length(light));
-#endif
-    return facing * density(share, area) * exp(-depth);
-}
+#include "adaptive_beams/beam_surface.glsl"
 
 // The beam along a camera ray: t is m from `base`.
 struct Along {
@@ -95,7 +71,7 @@ float within(Along ray, float t, float cap) {
     vec3 w = sides(ray, t);
     float depth = ray.depth + t * ray.deeper;
     vec3 room = cap > 0.0 ? ends() - depth : depth - starts();
-    return dot(abs(w), room + (cap > 0.0 ? kEndBias : start_bias));
+    return dot(abs(w), room + (cap > 0.0 ? kEndBias : start_bias()));
 }
 
 // Cuts a piece at a cap, by false position (the Illinois rule).
@@ -333,7 +309,7 @@ vec3 scatter(vec3 origin, vec3 direction, float segment, uint entry) {
          d2 = ray_2.zw * direction.z - direction.xy;
     // Where the segment is in the beam's range of depths.
     vec3 start = starts();
-    float low = min(min(start.x, start.y), start.z) - start_bias;
+    float low = min(min(start.x, start.y), start.z) - start_bias();
     vec3 end = ends();
     float high = max(max(end.x, end.y), end.z) + kEndBias;
     float from = 0.0, to = segment;
@@ -420,9 +396,5 @@ void main() {
     bool scatters = push.scattering != vec3(0.0);
 #endif
     if (scatters) scattered.xyz = scatter(ray.origin, ray.direction, ray.segment, entry);
-    if (ray.receiver > 0.0) {
-        vec3 normal = texelFetch(normals, ray.pixel, 0).xyz;
-        irradiance.xyz =
-            lit(ray.origin + ray.receiver * ray.direction, normal, texelFetch(faces, ray.pixel, 0));
-    }
+    if (ray.receiver > 0.0) irradiance.xyz = lit(ray.origin + ray.receiver * ray.direction, ray.pixel);
 }

@@ -60,6 +60,8 @@ void ring_areas(vec3 depth, out vec3 a0, out vec3 a1, out vec3 a2) {
 
 vec3 ends() { return end_bias.xyz; }
 
+float start_bias() { return flux_start_bias.w; }
+
 vec3 starts() { return vec3(flux_start_0.w, flux_start_1.w, flux_start_2.w); }
 
 vec3 barycentric(vec3 w) {

@@ -11,7 +11,7 @@ layout(location = 7) flat WAY vec4 flux_start_1;
 layout(location = 8) flat WAY vec4 flux_start_2;
 layout(location = 9) flat WAY vec4 end_bias;
 layout(location = 10) flat WAY ivec3 listed_ends_on;
-layout(location = 11) flat WAY float start_bias;
+layout(location = 11) flat WAY vec4 flux_start_bias;
 #ifdef BOUNDED
 layout(location = 12) flat WAY int beam_index;
 #endif

@@ -30,7 +30,7 @@ void main() {
 #ifdef BOUNDED
     beam_index = gl_VertexIndex / 6;
 #endif
-    start_bias = beam.start_bias;
+    flux_start_bias = vec4(beam.own_flux, beam.start_bias);
     listed_ends_on = ivec3(int(beam.first), int(beam.last), beam.ends_on);
     vec3 corner = corners[gl_VertexIndex];
     vec2 picture = vec2(textureSize(pixels, 0));

@@ -14,6 +14,7 @@ struct DrawnBeam {
     vec4 ray[3];       // m and m a m of depth: a, b at depth 0, slopes
     vec4 area[3];      // m^2, m, 1, and m: where the area is least, as digits are lost far from there
     vec3 flux[3];      // W a channel, of a corner's ring
+    vec3 own_flux;     // W a channel, of the beam
     vec3 start;        // m, depths at which the corners' rays begin
     vec3 end;          // m, and end
     float start_bias;  // m of depth before the start that belong to the beam
@@ -39,6 +40,7 @@ struct BeamPush {
     vec3 phase;      // of two_lobe_phase, in its order; the last one negative: a table
     float in_water;  // 1 or 0
     vec2 shift;      // pixels, from the sample to the pixel's centre
+    vec2 in_cell;    // cells: the sample in the part of the picture that it stands for, from the top left
 };
 
 // Axes of mesh space in the world.

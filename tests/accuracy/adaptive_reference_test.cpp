@@ -129,7 +129,7 @@ struct Row {
 };
 
 /// A setting of the method: cells of its grid, levels, and how many times finer than the case's its own
-/// pixels are: by these it knows where it need not refine, and E of its samples is that of points.
+/// pixels are: by these it knows where it need not refine, and S of its samples is that of rays.
 struct Setting {
     int grid, levels, finer;
 };
@@ -170,13 +170,13 @@ std::vector<Row> rows(const char* title, Case c, const std::vector<Setting>& set
 #if !DAPPLE_LONG  // no longer rows
 TEST(AdaptiveBeams, IrradianceBelowWaves) {
     const std::vector<Row> r =
-        rows("waves", {wavy_pool(), {{0, Event::transmission}}}, {{16, 0, 8}, {16, 2, 8}, {16, 4, 8}}, false);
+        rows("waves", {wavy_pool(), {{0, Event::transmission}}}, {{16, 0, 1}, {16, 2, 1}, {16, 4, 1}}, false);
     // Cells of 16, 4 and 1 cm below waves of 50 cm to 1 m: the first know little of them.
     EXPECT_LT(r[1].l1, 0.3 * r[0].l1);
     EXPECT_LT(r[2].l1, r[1].l1);
-    // E of points jumps at folds: 64 in a pixel tell its mean to some hundredths.
-    EXPECT_LT(r[2].l1, 0.08);
-    EXPECT_LT(std::abs(r[2].bias), 0.015);
+    // Not much more than the reference's noise; points of 64 places a pixel are off by 6 %.
+    EXPECT_LT(r[2].l1, 2.2 * r[2].noise);
+    EXPECT_LT(std::abs(r[2].bias), 0.005);
 }
 
 TEST(AdaptiveBeams, ScatteredLightBelowWaves) {
@@ -200,23 +200,23 @@ TEST(AdaptiveBeams, IrradianceBelowABall) {
     c.state.camera.position = {1.6, 0.7, 1.2};
     c.state.camera.target = {0.46, 0, 0};
     c.state.camera.field_of_view = 30 * scene::kDegree;
-    std::vector<Setting> settings = {{16, 0, 4}, {16, 1, 4}, {16, 2, 4}, {16, 4, 4}, {128, 0, 4}};
-    if (DAPPLE_LONG) settings = {{16, 3, 4}, {16, 5, 4}, {64, 0, 4}, {256, 0, 4}};
+    std::vector<Setting> settings = {{16, 0, 1}, {16, 1, 1}, {16, 2, 1}, {16, 4, 1}, {128, 0, 1}};
+    if (DAPPLE_LONG) settings = {{16, 3, 1}, {16, 5, 1}, {64, 0, 1}, {256, 0, 1}};
     const std::vector<Row> r = rows("ball", c, settings, false);
     if (DAPPLE_LONG) {
         // Levels beyond the second go to outlines; within, landing points are right to a pixel.
         EXPECT_NEAR(r[0].l1, r[1].l1, 0.01);
         EXPECT_LT(r[3].l1, r[2].l1);
-        EXPECT_LT(r[3].l1, 1.8 * r[3].noise);
+        EXPECT_LT(r[3].l1, 1.4 * r[3].noise);
         return;
     }
     for (std::size_t i = 1; i < 4; ++i) EXPECT_LT(std::abs(r[i].bias), std::abs(r[i - 1].bias));
     EXPECT_LT(r[2].l1, 0.5 * r[0].l1);
-    // Landing points are taken to be good where they are right to a pixel, here a quarter of one: in the
-    // core that leaves E 6 % low, whatever the levels.
-    EXPECT_LT(r[3].l1, 0.07);
+    // Landing points are taken to be good where they are right to a twentieth of a pixel: in the core of the
+    // light some per cent are left of E, whatever the levels.
+    EXPECT_LT(r[3].l1, 2 * r[3].noise);
     // With small cells everywhere little but the reference's noise is left.
-    EXPECT_LT(r[4].l1, 1.8 * r[4].noise);
+    EXPECT_LT(r[4].l1, 1.5 * r[4].noise);
     EXPECT_LT(std::abs(r[4].bias), 0.01);
 }
 
@@ -244,19 +244,19 @@ TEST(AdaptiveBeams, IrradianceBelowABallAboveWaves) {
     c.state.camera.field_of_view = 40 * scene::kDegree;
     c.state.objects.push_back(glass_ball({-0.5, 0.6, 0}, 0.3));
     c.state.caustics.reference = {0.05, 5};
-    std::vector<Setting> settings = {{16, 0, 4}, {16, 2, 4}, {16, 4, 4}};
-    if (DAPPLE_LONG) settings = {{64, 0, 4}, {128, 0, 4}, {256, 0, 4}};
+    std::vector<Setting> settings = {{16, 0, 1}, {16, 2, 1}, {16, 4, 1}};
+    if (DAPPLE_LONG) settings = {{64, 0, 1}, {128, 0, 1}, {256, 0, 1}};
     const std::vector<Row> r = rows("ball above waves", c, settings, false);
     if (DAPPLE_LONG) {
-        EXPECT_LT(r[2].l1, 1.5 * r[2].noise);
-        EXPECT_LT(std::abs(r[2].bias), 0.01);
+        EXPECT_LT(r[2].l1, 1.3 * r[2].noise);
+        EXPECT_LT(std::abs(r[2].bias), 0.005);
         return;
     }
     // Cells of the first row know little of the waves that a focus falls on.
     EXPECT_LT(r[1].l1, 0.5 * r[0].l1);
     EXPECT_LT(std::abs(r[2].bias), std::abs(r[1].bias));
     // As much as the ball alone leaves, and the reference's noise.
-    EXPECT_LT(r[2].l1, 0.07 + r[2].noise);
+    EXPECT_LT(r[2].l1, 0.02 + r[2].noise);
 }
 
 }  // namespace

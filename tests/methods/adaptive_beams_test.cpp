@@ -143,13 +143,21 @@ TEST(Ends, OfBeamsOnAShelfLeaveTheFloorBelowItDark) {
     for (std::size_t i = 0; i < layer.pixels(); ++i) {
         if (!(layer.flags[i] & view::kReceiver) || layer.object[i] != 0) continue;
         const glm::vec3 p = layer.position[i];
-        const float beside = std::max(std::abs(p.x), std::abs(p.z)) - 0.35f;
         if (std::max(std::abs(p.x), std::abs(p.z)) > 1.8f) continue;
+        // All of the pixel's part of the floor.
+        float innermost = 1, outermost = -1;
+        for (const float u : {-0.5f, 0.5f})
+            for (const float v : {-0.5f, 0.5f}) {
+                const glm::vec3 corner = p + u * layer.footprint_u[i] + v * layer.footprint_v[i];
+                const float beside = std::max(std::abs(corner.x), std::abs(corner.z)) - 0.35f;
+                innermost = std::min(innermost, beside);
+                outermost = std::max(outermost, beside);
+            }
         const double e = result.irradiance[i].g;
-        if (beside < -1e-3f) {
+        if (outermost < -1e-3f) {
             ++dark_floor;
             EXPECT_EQ(e, 0) << p.x << ' ' << p.z;
-        } else if (beside > 1e-3f) {
+        } else if (innermost > 1e-3f) {
             ++lit_floor;
             EXPECT_NEAR(e, lit, 1e-4 * lit) << p.x << ' ' << p.z;
         }

@@ -1,6 +1,7 @@
 // Volumes about beams, and the areas of rings of beams.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <map>
 #include <random>
 
@@ -58,6 +59,48 @@ TEST(BoundingVolume, IsClosedConvexAndHoldsTheBeam) {
     }
     printf("%d of %d random beams are drawn as prisms for want of six triangles\n", prisms, kBeams);
     EXPECT_LT(prisms, kBeams / 20);
+}
+
+/// Twice the area of a cap's picture.
+double cap_area(const BoundingVolume& volume, std::size_t first) {
+    const glm::dvec3 a = volume.corner[first];
+    return glm::length(glm::cross(volume.corner[first + 1] - a, volume.corner[first + 2] - a));
+}
+
+TEST(BoundingVolume, HoldsAMarginWithoutSpikes) {
+    std::mt19937 random(5);
+    std::uniform_real_distribution<double> uniform(0, 1);
+    for (const double thickness : {1e-6, 1e-3, 0.1, 1.0})
+        for (const double margin : {0.01, 0.3})
+            for (const VolumeKind kind : {VolumeKind::prism, VolumeKind::six_triangles}) {
+                BeamSection beam;
+                beam.near = {glm::dvec2(0, 0), {1, 0}, {uniform(random), thickness}};
+                beam.far = {glm::dvec2(0.2, 0.1), {1.2, 0.3}, {uniform(random), 0.2 + thickness}};
+                beam.far_depth = 3;
+                beam.near_margin = beam.far_margin = margin;
+                const BoundingVolume volume = bounding_volume(beam, kind);
+                for (int j = 0; j < 300; ++j) {
+                    const std::size_t k = static_cast<std::size_t>(j) % 3;
+                    const double way = uniform(random), angle = 7 * uniform(random);
+                    const glm::dvec3 point(glm::mix(beam.near[k], beam.far[k], way) +
+                                               margin * glm::dvec2(std::cos(angle), std::sin(angle)),
+                                           3 * way);
+                    for (const auto& face : volume.face) {
+                        const glm::dvec3 a = volume.corner[face[0]], b = volume.corner[face[1]],
+                                         c = volume.corner[face[2]];
+                        ASSERT_LE(glm::dot(glm::normalize(glm::cross(b - a, c - a)), point - a), 1e-9);
+                    }
+                }
+                // Triangles about boxes have twice their area; a prism has the normals of one cap at both,
+                // which may make the other tens of times as large. Spikes of slivers would be 10^4 times as
+                // large.
+                const double box = (1.1 + 2 * margin) * (thickness + 2 * margin);
+                if (kind == VolumeKind::six_triangles && volume.kind == kind) {
+                    EXPECT_LT(cap_area(volume, 0), 4.1 * box) << thickness << ' ' << margin;
+                    EXPECT_LT(cap_area(volume, 3), 4.1 * 1.3 * box) << thickness << ' ' << margin;
+                }
+                EXPECT_LT(cap_area(volume, 0) + cap_area(volume, 3), 100 * box) << thickness << ' ' << margin;
+            }
 }
 
 TEST(BoundingVolume, OfPlanarSidesIsAPrism) {

@@ -45,11 +45,10 @@ struct AdaptiveBeams::State {
 AdaptiveBeams::AdaptiveBeams() : state_(std::make_unique<State>()) {}
 AdaptiveBeams::~AdaptiveBeams() = default;
 
-Support AdaptiveBeams::supports_surface(const scene::FrameState&) const {
-    return {
-        Support::Degree::partly,
-        "E at the sample's point, of receivers that the camera sees neither through nor by water, mirrors or "
-        "glass"};
+Support AdaptiveBeams::supports_surface(const scene::FrameState& state) const {
+    std::string reason = "E of receivers that the camera sees neither through nor by water, mirrors or glass";
+    if (state.caustics.adaptive_beams.paper_faithful) reason += "; at the samples' points";
+    return {Support::Degree::partly, std::move(reason)};
 }
 
 Support AdaptiveBeams::supports_volume(const scene::FrameState&) const {

@@ -1,6 +1,7 @@
 #include "methods/adaptive_beams/beam_renderer.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <optional>
 
@@ -13,6 +14,7 @@
 #include "methods/adaptive_beams/drawn_beams.h"
 #include "methods/adaptive_beams/low_pass.h"
 #include "methods/adaptive_beams/paper_beams.h"
+#include "methods/adaptive_beams/receiver_cell.h"
 #include "spirv/adaptive_beams_beam_lobes_frag.h"
 #include "spirv/adaptive_beams_beam_lobes_listed_frag.h"
 #include "spirv/adaptive_beams_beam_media_frag.h"
@@ -33,13 +35,15 @@ namespace {
 
 using layout::BeamFrame;
 using layout::BeamPush;
-static_assert(sizeof(layout::DrawnBeam) == 176);
+static_assert(sizeof(layout::DrawnBeam) == 188);
 static_assert(sizeof(layout::TurningArea) == 20);
 static_assert(sizeof(layout::PaperBeam) == 124);
-static_assert(sizeof(BeamPush) == 120);
+static_assert(sizeof(BeamPush) == 128);
 static_assert(sizeof(BeamFrame) == 36);
 
 constexpr std::size_t kTile = 1 << 14;
+/// Of what pixels see: rays, shading normals, faces, and cells' two directions.
+constexpr std::size_t kImages = 5;
 constexpr std::size_t kIndicesABeam = 24;
 
 /// Bytes of the columns of a part of the picture, at most.
@@ -47,7 +51,7 @@ constexpr std::uint64_t kColumnBytes = std::uint64_t{64} << 20;
 
 gpu::RasterDescription description(bool bounded = false) {
     return {.interface = {.storage_buffers = bounded ? 9u : 5u,
-                          .sampled_images = 3,
+                          .sampled_images = kImages,
                           .push_bytes = sizeof(BeamPush)},
             .blend = gpu::Blend::add,
             .cull = gpu::Cull::front,
@@ -102,10 +106,9 @@ struct BeamRenderer::State {
                  adaptive_beams_paper_table_frag, description()}} {}
 
     /// Of the rows of a picture from `first_row` on.
-    BeamPush push(const BeamSet& set, glm::dvec2 offset, int first_row) const;
+    BeamPush push(const BeamSet& set, int sample, int first_row) const;
     void write_pixels(const view::SegmentLayer* segments, const view::ReceiverLayer* receivers,
-                      std::size_t first, std::span<glm::vec4> pixels, std::span<glm::vec4> normals,
-                      std::span<glm::vec4> faces) const;
+                      std::size_t first, std::array<std::span<glm::vec4>, kImages> texels) const;
     const gpu::RasterPipeline& pipeline(const SetOnDevice& set, bool listed) const;
     void render_rows(const view::SegmentLayer* segments, const view::ReceiverLayer* receivers, int first_row,
                      int rows, BeamSums& sums, FrameStats& stats);
@@ -147,11 +150,12 @@ void BeamRenderer::begin(const scene::FrameScene& scene, std::span<const BeamSet
     std::vector<const BoundedSet*> bounded(sets.size(), nullptr);
     if (s.has_bounded) bounded = s.bounded->add(sets, stats);
     const ScopedPass pass(stats, "beam volumes");
+    const double reach = shading == Shading::exact ? longest_reach(scene.state.clip.samples) : 0;
     std::size_t beams = 0, prisms = 0, turning = 0, lost = 0;
     for (std::size_t i = 0; i < sets.size(); ++i) {
         const BeamSet& set = sets[i];
         if (set.triangles.empty()) continue;
-        DrawnBeams drawn = drawn_beams(set, *s.camera, scene.origin, volumes);
+        DrawnBeams drawn = drawn_beams(set, *s.camera, scene.origin, volumes, reach);
         beams += drawn.beams.size();
         prisms += drawn.prisms;
         turning += drawn.beams.size() - drawn.plain;
@@ -192,8 +196,10 @@ void BeamRenderer::begin(const scene::FrameScene& scene, std::span<const BeamSet
     stats.count("beams with turning areas", static_cast<double>(turning));
 }
 
-BeamPush BeamRenderer::State::push(const BeamSet& set, glm::dvec2 offset, int first_row) const {
+BeamPush BeamRenderer::State::push(const BeamSet& set, int sample, int first_row) const {
     BeamPush push{};
+    glm::dvec2 offset = view::Camera::sample_offset(sample, scene->state.clip.samples);
+    push.in_cell = ReceiverCell(sample, scene->state.clip.samples).point;
     // A camera's rays are affine in the pixel: from four of them.
     const glm::dmat3 mesh_from_world = glm::transpose(set.world_from_mesh);
     const auto ray = [&](glm::dvec2 pixel, glm::dvec3& origin, glm::dvec3& direction) {
@@ -227,12 +233,13 @@ BeamPush BeamRenderer::State::push(const BeamSet& set, glm::dvec2 offset, int fi
 
 void BeamRenderer::State::write_pixels(const view::SegmentLayer* segments,
                                        const view::ReceiverLayer* receivers, std::size_t first,
-                                       std::span<glm::vec4> pixels, std::span<glm::vec4> normals,
-                                       std::span<glm::vec4> faces) const {
+                                       std::array<std::span<glm::vec4>, kImages> texels) const {
+    const auto& [pixels, normals, faces, right, down] = texels;
+    const ReceiverCell cell(receivers ? receivers->sample : 0, scene->state.clip.samples);
     parallel_for(pixels.size(), kTile, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             const std::size_t at = first + i;
-            pixels[i] = normals[i] = faces[i] = glm::vec4(0);
+            for (const std::span<glm::vec4> image : texels) image[i] = glm::vec4(0);
             if (segments) {
                 for (std::uint32_t k = segments->first[at]; k < segments->first[at + 1]; ++k) {
                     if (!segments->primary[k]) continue;
@@ -253,6 +260,7 @@ void BeamRenderer::State::write_pixels(const view::SegmentLayer* segments,
                 pixels[i].z = (receivers->flags[at] & view::kInWater) != 0 ? 1.0f : 0.0f;
                 normals[i] = glm::vec4(receivers->shading_normal[at], 0);
                 faces[i] = glm::vec4(receivers->geometric_normal[at], receivers->object[at]);
+                cell.write(*receivers, at, right[i], down[i]);
             }
         }
     });
@@ -304,27 +312,31 @@ void BeamRenderer::State::render_rows(const view::SegmentLayer* segments,
     const std::size_t count = width * static_cast<std::size_t>(rows),
                       first_pixel = width * static_cast<std::size_t>(first_row);
     const std::size_t bytes = count * sizeof(glm::vec4);
-    gpu::Buffer first(device, "pixels or scattered light", bytes);
-    gpu::Buffer second(device, "normals or irradiance", bytes);
-    gpu::Buffer third(device, "faces", bytes);
     const auto image = [&](const char* name) {
         return gpu::Image(device, name, clip.width, rows, gpu::Format::rgba32f);
     };
-    const gpu::Image pixels = image("pixels"), normals = image("normals"), faces = image("faces"),
-                     scattered = image("scattered light"), irradiance = image("irradiance");
+    constexpr std::array<const char*, kImages> kNames{"pixels", "normals", "faces", "cells to the right",
+                                                      "cells down"};
+    std::vector<gpu::Buffer> texels;
+    std::vector<gpu::Image> images;
+    for (const char* name : kNames) {
+        texels.emplace_back(device, name, bytes);
+        images.push_back(image(name));
+    }
+    const gpu::Image scattered = image("scattered light"), irradiance = image("irradiance");
     const int sample = segments ? segments->sample : receivers->sample;
-    const glm::dvec2 offset = view::Camera::sample_offset(sample, clip.samples);
     gpu::PassList passes(device);
     std::optional<RayColumns> columns;
     {
         const ScopedPass pass(stats, "beam raster");
-        write_pixels(segments, receivers, first_pixel, first.as<glm::vec4>(), second.as<glm::vec4>(),
-                     third.as<glm::vec4>());
-        if (has_bounded) columns.emplace(bounded->ray_columns(segments, first_pixel, count, *camera, offset));
+        write_pixels(segments, receivers, first_pixel,
+                     {texels[0].as<glm::vec4>(), texels[1].as<glm::vec4>(), texels[2].as<glm::vec4>(),
+                      texels[3].as<glm::vec4>(), texels[4].as<glm::vec4>()});
+        if (has_bounded)
+            columns.emplace(bounded->ray_columns(segments, first_pixel, count, *camera,
+                                                 view::Camera::sample_offset(sample, clip.samples)));
     }
-    passes.copy("beam raster", first, pixels);
-    passes.copy("beam raster", second, normals);
-    passes.copy("beam raster", third, faces);
+    for (std::size_t i = 0; i < kImages; ++i) passes.copy("beam raster", texels[i], images[i]);
     if (columns) bounded->add_passes(passes, *columns);
     gpu::Targets targets{.colors = {&scattered, &irradiance}};
     for (const SetOnDevice& set : sets) {
@@ -333,23 +345,25 @@ void BeamRenderer::State::render_rows(const view::SegmentLayer* segments,
             if (indices.bytes() < kIndicesABeam * sizeof(std::uint32_t)) continue;
             gpu::Bindings bindings{
                 .buffers = {&set.beams, &set.corners, &set.turning, &phases->table(), &set.frame},
-                .images = {&pixels, &normals, &faces}};
+                .images = {&images[0], &images[1], &images[2], &images[3], &images[4]}};
             if (set.bounded)
                 bindings.buffers.insert(bindings.buffers.end(), {&set.bounded->media, &columns->values,
                                                                  &set.bounded->light_columns, &*set.rays});
-            bindings.set_push(push(set.set, offset, first_row));
+            bindings.set_push(push(set.set, sample, first_row));
             passes.draw("beam raster", pipeline(set, listed), std::move(bindings), targets,
                         {.vertices = static_cast<std::uint32_t>(indices.bytes() / sizeof(std::uint32_t)),
                          .index_buffer = &indices});
             targets.clear = false;
         }
     }
-    passes.copy("beam raster", scattered, first);
-    passes.copy("beam raster", irradiance, second);
+    // Texels have been read by then.
+    passes.copy("beam raster", scattered, texels[0]);
+    passes.copy("beam raster", irradiance, texels[1]);
     passes.run(stats);
 
     const ScopedPass pass(stats, "beam raster");
-    const std::span<const glm::vec4> s_texels = first.as<glm::vec4>(), e_texels = second.as<glm::vec4>();
+    const std::span<const glm::vec4> s_texels = texels[0].as<glm::vec4>(),
+                                     e_texels = texels[1].as<glm::vec4>();
     double fragments = 0;
     for (std::size_t i = 0; i < count; ++i) {
         sums.scattered[first_pixel + i] = glm::vec3(s_texels[i]);

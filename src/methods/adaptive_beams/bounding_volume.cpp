@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
+#include <vector>
 
 namespace dapple::methods::adaptive_beams {
 namespace {
@@ -11,8 +13,6 @@ using Triangle = std::array<glm::dvec2, 3>;
 
 /// Share of a cap's size by which two candidates for a side must differ.
 constexpr double kUnique = 1e-5;
-/// A cap whose inscribed circle is smaller than so many margins would grow long spikes.
-constexpr double kLeastInradius = 4;
 
 double cross(glm::dvec2 a, glm::dvec2 b) {
     return a.x * b.y - a.y * b.x;
@@ -55,8 +55,26 @@ Triangle enclosing(const Triangle& t, const std::array<glm::dvec2, 3>& normal, d
     return corners;
 }
 
-std::array<glm::dvec2, 3> normals(const Triangle& t) {
-    return {outward(t, 0), outward(t, 1), outward(t, 2)};
+/// Outward normals of triangles about one: its own, and those about a box along its longest edge, as slivers
+/// grow long spikes with a margin.
+std::vector<std::array<glm::dvec2, 3>> choices(const Triangle& t, double margin) {
+    std::vector<std::array<glm::dvec2, 3>> normals;
+    if (has_width(t)) normals.push_back({outward(t, 0), outward(t, 1), outward(t, 2)});
+    glm::dvec2 along(1, 0);
+    double longest = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const glm::dvec2 edge = t[(k + 1) % 3] - t[k];
+        if (glm::length(edge) <= longest) continue;
+        longest = glm::length(edge);
+        along = edge / longest;
+    }
+    // The flattest triangle about a box of length a and width b has a base of 2 a and a height of 2 b.
+    glm::dvec2 across(-along.y, along.x);
+    const double length = longest + 2 * margin, thickness = reach(t, across) + reach(t, -across) + 2 * margin;
+    if (!(thickness > 0)) return normals;
+    const glm::dvec2 steep = glm::normalize(glm::dvec2(2 * thickness, length));
+    normals.push_back({-across, steep.x * along + steep.y * across, -steep.x * along + steep.y * across});
+    return normals;
 }
 
 void set_corners(BoundingVolume& volume, const Triangle& near, double near_depth, const Triangle& far,
@@ -76,16 +94,23 @@ void orient(const BoundingVolume& volume, glm::dvec3 middle, std::array<std::uin
 BoundingVolume prism(const BeamSection& beam) {
     // About a beam of linear rays the reach along a direction is convex in depth: a body with the same three
     // normals at both depths that holds the caps holds all between them.
-    std::array<glm::dvec2, 3> normal{glm::dvec2(0, 1), glm::dvec2(-std::sqrt(0.75), -0.5),
-                                     glm::dvec2(std::sqrt(0.75), -0.5)};
-    if (has_width(beam.near))
-        normal = normals(beam.near);
-    else if (has_width(beam.far))
-        normal = normals(beam.far);
+    std::vector<std::array<glm::dvec2, 3>> normals = choices(beam.near, beam.near_margin);
+    for (const auto& of_far : choices(beam.far, beam.far_margin)) normals.push_back(of_far);
+    // For beams without width or margin.
+    if (normals.empty())
+        normals.push_back(
+            {glm::dvec2(0, 1), glm::dvec2(-std::sqrt(0.75), -0.5), glm::dvec2(std::sqrt(0.75), -0.5)});
     BoundingVolume volume;
     volume.kind = VolumeKind::prism;
-    set_corners(volume, enclosing(beam.near, normal, beam.near_margin), beam.near_depth,
-                enclosing(beam.far, normal, beam.far_margin), beam.far_depth);
+    double least = std::numeric_limits<double>::infinity();
+    for (const auto& normal : normals) {
+        const Triangle near = enclosing(beam.near, normal, beam.near_margin),
+                       far = enclosing(beam.far, normal, beam.far_margin);
+        const double size = std::abs(twice_area(near)) + std::abs(twice_area(far));
+        if (!(size < least)) continue;
+        least = size;
+        set_corners(volume, near, beam.near_depth, far, beam.far_depth);
+    }
     volume.face = {{{0, 1, 2}, {3, 4, 5}, {0, 1, 4}, {0, 4, 3}, {1, 2, 5}, {1, 5, 4}, {2, 0, 3}, {2, 3, 5}}};
     return volume;
 }
@@ -101,13 +126,22 @@ std::optional<std::uint8_t> farthest(const Triangle& other, glm::dvec2 normal, d
     return static_cast<std::uint8_t>(best);
 }
 
+/// The least of the triangles about one; none about one without width or margin.
+std::optional<Triangle> tightest(const Triangle& t, double margin) {
+    std::optional<Triangle> best;
+    for (const auto& normal : choices(t, margin)) {
+        const Triangle about = enclosing(t, normal, margin);
+        if (has_width(about) && (!best || std::abs(twice_area(about)) < std::abs(twice_area(*best))))
+            best = about;
+    }
+    return best;
+}
+
 std::optional<BoundingVolume> six_triangles(const BeamSection& beam) {
-    const auto wide = [](const Triangle& t, double margin) {
-        return has_width(t) && std::abs(twice_area(t)) > kLeastInradius * margin * perimeter(t);
-    };
-    if (!wide(beam.near, beam.near_margin) || !wide(beam.far, beam.far_margin)) return std::nullopt;
-    const Triangle near = enclosing(beam.near, normals(beam.near), beam.near_margin);
-    const Triangle far = enclosing(beam.far, normals(beam.far), beam.far_margin);
+    const std::optional<Triangle> about_near = tightest(beam.near, beam.near_margin),
+                                  about_far = tightest(beam.far, beam.far_margin);
+    if (!about_near || !about_far) return std::nullopt;
+    const Triangle &near = *about_near, &far = *about_far;
     BoundingVolume volume;
     volume.kind = VolumeKind::six_triangles;
     set_corners(volume, near, beam.near_depth, far, beam.far_depth);
@@ -131,12 +165,24 @@ std::optional<BoundingVolume> six_triangles(const BeamSection& beam) {
     return volume;
 }
 
+/// m^2: a convex body's is four times what it covers of a picture, mean over all views (Cauchy).
+double surface(const BoundingVolume& volume) {
+    double sum = 0;
+    for (const auto& face : volume.face) {
+        const glm::dvec3 a = volume.corner[face[0]];
+        sum += 0.5 * glm::length(glm::cross(volume.corner[face[1]] - a, volume.corner[face[2]] - a));
+    }
+    return sum;
+}
+
 }  // namespace
 
 BoundingVolume bounding_volume(const BeamSection& beam, VolumeKind wanted) {
-    std::optional<BoundingVolume> hull;
-    if (wanted == VolumeKind::six_triangles) hull = six_triangles(beam);
-    BoundingVolume volume = hull ? *hull : prism(beam);
+    BoundingVolume volume = prism(beam);
+    if (wanted == VolumeKind::six_triangles) {
+        const std::optional<BoundingVolume> hull = six_triangles(beam);
+        if (hull && surface(*hull) < surface(volume)) volume = *hull;
+    }
     glm::dvec3 middle(0);
     for (const glm::dvec3& corner : volume.corner) middle += corner / 6.0;
     for (auto& face : volume.face) orient(volume, middle, face);

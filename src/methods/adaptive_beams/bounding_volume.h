@@ -30,7 +30,7 @@ struct BeamSection {
 
 /// The volume about a beam. Six triangles are chosen for each edge of the two caps by itself: with the edge
 /// goes that vertex of the other cap for which all others lie on one side. Where the choice is not unique (a
-/// side that is nearly planar), and where a cap is nearly a line, it is the prism.
+/// side that is nearly planar), where a cap is a line, and where the prism is the smaller, it is the prism.
 BoundingVolume bounding_volume(const BeamSection& beam, VolumeKind wanted);
 
 }  // namespace dapple::methods::adaptive_beams

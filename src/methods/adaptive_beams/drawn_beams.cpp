@@ -40,9 +40,11 @@ glm::vec4 drawn(const AreaFunction& area) {
 
 class Builder {
 public:
-    Builder(const BeamSet& set, const view::Camera& camera, const glm::dvec3& origin, VolumeKind kind)
+    Builder(const BeamSet& set, const view::Camera& camera, const glm::dvec3& origin, VolumeKind kind,
+            double reach)
         : set_(set),
           kind_(kind),
+          reach_(reach),
           areas_(set),
           pixel_from_mesh_(camera.pixel_from_world() * glm::translate(glm::dmat4(1), origin) *
                            glm::dmat4(set.world_from_mesh)) {
@@ -69,12 +71,15 @@ public:
     }
 
 private:
-    /// m: of kMarginPixels pixels at the farthest of three points.
-    double margin(const std::array<glm::dvec2, 3>& cap, double depth) const {
-        double farthest = 0;
-        for (const glm::dvec2& point : cap)
-            farthest = std::max(farthest, std::abs((pixel_from_mesh_ * glm::dvec4(point, depth, 1)).w));
-        return kMarginPixels * pixel_size_ * farthest;
+    /// m: of so many pixels at the farthest of the rays' points there, along planes of constant depth.
+    double margin(const std::array<BeamSet::Vertex, 3>& rays, double depth, double pixels) const {
+        double farthest = 0, steepest = 0;
+        for (const BeamSet::Vertex& ray : rays) {
+            const double w = (pixel_from_mesh_ * glm::dvec4(at(ray, depth), depth, 1)).w;
+            farthest = std::max(farthest, std::abs(w));
+            steepest = std::max(steepest, glm::length(glm::dvec2(ray.slope_a, ray.slope_b)));
+        }
+        return pixels * pixel_size_ * farthest * std::hypot(1, steepest);
     }
 
     std::array<BeamSet::Vertex, 3> rays_of(std::size_t beam) const {
@@ -153,6 +158,7 @@ private:
             beam.area[k] = drawn(areas_.even[v]);
             beam.flux[k] = areas_.flux[v];
         }
+        beam.own_flux = set_.flux[i];
         beam.start_bias = static_cast<float>(start_bias);
         beam.end_bias = static_cast<float>(end_bias);
         beam.ends_on = set_.ends_on[i];
@@ -160,10 +166,17 @@ private:
         BeamSection section;
         section.near_depth = start - start_bias;
         section.far_depth = end + end_bias;
-        section.near_margin = margin(at(rays, section.near_depth), section.near_depth);
-        section.far_margin = margin(at(rays, section.far_depth), section.far_depth);
+        const double reach = margin(rays, section.far_depth, kMarginPixels + reach_);
+        // What is lit lies between the first and the last end, where volumes are as wide as that takes. Where
+        // all ends are far from the start they are narrow there.
+        const double first_end = std::min({rays[0].end, rays[1].end, rays[2].end});
+        const bool narrows = first_end - section.near_depth > 0.5 * (section.far_depth - section.near_depth);
+        section.near_margin = margin(rays, section.near_depth, kMarginPixels + (narrows ? 0 : reach_));
         section.near_depth -= section.near_margin;
-        section.far_depth += section.far_margin;
+        section.far_depth += reach;
+        section.far_margin = reach;
+        if (narrows)
+            section.far_margin *= (section.far_depth - section.near_depth) / (first_end - section.near_depth);
         section.near = at(rays, section.near_depth);
         section.far = at(rays, section.far_depth);
         const BoundingVolume volume = bounding_volume(section, kind_);
@@ -180,6 +193,7 @@ private:
 
     const BeamSet& set_;
     VolumeKind kind_;
+    double reach_;  ///< pixels
     RingAreas areas_;
     glm::dmat4 pixel_from_mesh_;
     double pixel_size_ = 0;  ///< m at w = 1
@@ -189,8 +203,8 @@ private:
 }  // namespace
 
 DrawnBeams drawn_beams(const BeamSet& set, const view::Camera& camera, const glm::dvec3& origin,
-                       VolumeKind kind) {
-    return Builder(set, camera, origin, kind).build();
+                       VolumeKind kind, double reach) {
+    return Builder(set, camera, origin, kind, reach).build();
 }
 
 std::vector<DrawnBeams> parts_of(DrawnBeams drawn, std::uint64_t largest) {

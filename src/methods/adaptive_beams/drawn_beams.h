@@ -27,12 +27,14 @@ struct DrawnBeams {
 /// there.
 constexpr double kLeastBias = 1e-3;
 constexpr double kBiasOfWidth = 0.1;
-/// Pixels by which volumes are wider than beams: more than a rasteriser's rounding of corners (1/256 pixel).
+/// Pixels by which volumes are wider than what is drawn: more than a rasteriser's rounding of corners (1/256
+/// pixel).
 constexpr double kMarginPixels = 1.0 / 32;
 
-/// `origin`: FrameScene::origin. The same bits on any number of threads.
+/// `origin`: FrameScene::origin. `reach`: pixels about a beam that are drawn too, since the parts of the
+/// picture that their samples stand for may lie in the beam. The same bits on any number of threads.
 DrawnBeams drawn_beams(const BeamSet& set, const view::Camera& camera, const glm::dvec3& origin,
-                       VolumeKind kind);
+                       VolumeKind kind, double reach);
 
 /// Cuts beams into parts, each array of which but the indices has `largest` bytes at most, or is of one beam;
 /// the parts together hold all beams in their order.

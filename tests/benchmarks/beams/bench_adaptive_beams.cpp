@@ -102,7 +102,7 @@ void raw_fill(benchmark::State& state) {
     const rays::RayScene rays(scene);
     const view::Camera camera(scene.state.camera, scene.state.clip.width, scene.state.clip.height);
     const DrawnBeams beams =
-        drawn_beams(test::drawn_sheets(scene, rays, 2).front(), camera, scene.origin, kind_of(state));
+        drawn_beams(test::drawn_sheets(scene, rays, 2).front(), camera, scene.origin, kind_of(state), 0.5);
     gpu::Device& device = shared_device();
     const gpu::RasterPipeline pipeline(device, "volumes", test_volumes_vert, test_two_colors_frag,
                                        {.interface = {.storage_buffers = 1, .push_bytes = sizeof(glm::vec2)},
