@@ -4,7 +4,7 @@
 // flux. E of long beams has the density that is continuous from beam to beam, of short and thin ones that which gives
 // each beam its own flux: at a focus the areas of corners' rings are rounding.
 // Needs what beam_fragment.glsl declares.
-#include "caustic_mesh/coverage.glsl"
+#include "light/square_coverage.glsl"
 
 layout(binding = FIRST_IMAGE + 3) uniform sampler2D cells_right;  // of cells_down, and m^2 of a cell; 0: E at the point
 layout(binding = FIRST_IMAGE + 4) uniform sampler2D cells_down;   // cells a m on the tangent plane, world space

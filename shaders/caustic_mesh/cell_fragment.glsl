@@ -2,7 +2,7 @@
 // laid over the picture as the camera sees them about that receiver, so that those which share an edge fit without a
 // seam. `precise`, so that a layer has the same bits in any batch.
 #extension GL_EXT_scalar_block_layout : require
-#include "caustic_mesh/coverage.glsl"
+#include "light/square_coverage.glsl"
 #include "layout/mesh_cell.h"
 layout(location = 0) flat in vec4 corner_0;
 layout(location = 1) flat in vec4 corner_1;
