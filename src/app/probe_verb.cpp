@@ -1,9 +1,9 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
-#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -70,15 +70,20 @@ const char* blocked_between(const PointPath& path) {
     return path.blocked_in_air ? "light and water" : "water and receiver";
 }
 
-std::map<std::string, std::vector<const PointPath*>> by_chain(const PointPaths& paths) {
-    std::map<std::string, std::vector<const PointPath*>> chains;
-    for (const PointPath& path : paths.paths) chains[path.chain].push_back(&path);
+/// Chains in the order of their first paths.
+std::vector<std::vector<const PointPath*>> by_chain(const PointPaths& paths) {
+    std::vector<std::vector<const PointPath*>> chains;
+    for (const PointPath& path : paths.paths) {
+        const auto chain = std::find_if(chains.begin(), chains.end(),
+                                        [&](const auto& of) { return of.front()->chain == path.chain; });
+        (chain == chains.end() ? chains.emplace_back() : *chain).push_back(&path);
+    }
     return chains;
 }
 
-void print_paths(const scene::FrameState& state, const std::string& chain,
-                 const std::vector<const PointPath*>& paths) {
-    std::printf("%s: %s\n", chain.c_str(), count(paths.size(), "path").c_str());
+/// Of one chain.
+void print_paths(const scene::FrameState& state, const std::vector<const PointPath*>& paths) {
+    std::printf("%s: %s\n", paths.front()->chain.c_str(), count(paths.size(), "path").c_str());
     std::printf("  %-34s  %-26s  %-28s  %11s  %9s  %9s  %-5s %s\n", "on the water [m]", "direction",
                 "E [W/m^2]", "det J", "way [m]", "triangle", "fold", "");
     for (const PointPath* path : paths) {
@@ -106,7 +111,7 @@ void print_receiver(const scene::FrameState& state, const ProbedReceiver& receiv
                 vector_text(receiver.normal).c_str(), surroundings(receiver),
                 receiver.behind_specular ? "through or by water, glass or mirrors" : "directly",
                 number(receiver.distance).c_str());
-    for (const auto& [chain, paths] : by_chain(receiver.paths)) print_paths(state, chain, paths);
+    for (const auto& paths : by_chain(receiver.paths)) print_paths(state, paths);
     std::printf("sum: E %s W/m^2 at the point (a pixel's E is a mean), %s, sum of signs %s%s\n",
                 vector_text(receiver.irradiance).c_str(), count(receiver.paths.paths.size(), "path").c_str(),
                 signed_number(receiver.paths.sign_sum).c_str(), receiver.paths.fold ? ", near a fold" : "");
@@ -257,7 +262,9 @@ void add_probe_verb(CLI::App& app, Run& run) {
     verb->footer(
         "A line a path: where on the water, the direction of travel from there, E that it brings to the\n"
         "point if nothing blocks it, det J (signed area of its landed beam over that of its facet), the way\n"
-        "from the water to the point. A sun counts by the middle of its disc, dispersed light by its green.\n"
+        "from the water to the point. A sun counts by the middle of its disc, dispersed light by its green, "
+        "an\n"
+        "area light by each of its points, which is a chain of its own.\n"
         "The paths are those of the water mesh; where the water is a list of waves, the oracle proves their\n"
         "number on the waves themselves. Light that met glass is not listed.");
     verb->callback([arguments, frame, &run] {

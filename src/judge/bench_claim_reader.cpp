@@ -291,6 +291,10 @@ private:
         if (!figure.repeats() && row.expected)
             fault(node, path + ".expected",
                   "the figure " + name + " is another on every machine; leave it out");
+        for (const std::optional<double>& limit : {row.at_least, row.at_most})
+            if (limit && row.expected && row.expected->first < *limit && *limit < row.expected->second)
+                fault(node, path + ".expected",
+                      "the verdict would turn within it unseen; end it at what is claimed");
         if ((figure.kind == Figure::Kind::count) == row.count.empty())
             fault(node, path, "'count' names what the figure count is of, and of no other figure");
         if (!timed && !row.passes.empty())

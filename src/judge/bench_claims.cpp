@@ -255,31 +255,28 @@ std::string verdict_of(const RowResult& result) {
 }
 
 void check_runs(const Claim& claim) {
-    std::optional<scene::Clip> reference;
-    const auto check = [&](const ClaimRun& run) {
+    std::map<std::string, scene::Clip> clips;
+    const auto load = [&](const ClaimRun& run) {
         try {
-            scene::Clip clip = timeline::Timeline::load(claim.timeline, run.overrides).clip();
-            if (run.name == kClaimReference) reference = clip;
-            return clip;
+            clips[run.name] = timeline::Timeline::load(claim.timeline, run.overrides).clip();
         } catch (const timeline::TimelineError& error) {
             throw Error(ExitCode::timeline_invalid, claim.file + ": " + run.name + ": " + error.what());
         }
     };
-    if (claim.reference) check(*claim.reference);
-    for (const ClaimRun& run : claim.runs) {
-        const scene::Clip clip = check(run);
-        const bool judged = std::ranges::any_of(claim.rows, [&](const ClaimRow& row) {
-            const auto uses = [&](const ClaimTerm& term) {
-                return term.run == run.name && term.against == kClaimReference;
-            };
-            return row.figure->kind == Figure::Kind::error &&
-                   (uses(row.of) || std::ranges::any_of(row.over, uses));
-        });
-        if (judged && reference && (clip.width != reference->width || clip.height != reference->height))
-            throw Error(ExitCode::timeline_invalid,
-                        claim.file + ": " + run.name + ": " + std::to_string(clip.width) + " x " +
-                            std::to_string(clip.height) + " pixels; errors need the reference's " +
-                            std::to_string(reference->width) + " x " + std::to_string(reference->height));
+    if (claim.reference) load(*claim.reference);
+    for (const ClaimRun& run : claim.runs) load(run);
+    const auto size = [&](const std::string& run) {
+        return std::to_string(clips.at(run).width) + " x " + std::to_string(clips.at(run).height);
+    };
+    for (const ClaimRow& row : claim.rows) {
+        if (row.figure->kind != Figure::Kind::error) continue;
+        std::vector<ClaimTerm> terms = row.over;
+        terms.insert(terms.begin(), row.of);
+        for (const ClaimTerm& term : terms)
+            if (size(term.run) != size(term.against))
+                throw Error(ExitCode::timeline_invalid,
+                            claim.file + ": " + row.says + ": " + term.run + ": " + size(term.run) +
+                                " pixels; errors need the " + size(term.against) + " of " + term.against);
     }
 }
 

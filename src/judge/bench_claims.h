@@ -38,8 +38,8 @@ std::optional<double> claim_margin(const ClaimRow& row, double value);
 /// "holds by 3.10", "fails by 1.20"; "–" where nothing is claimed.
 std::string verdict_of(const RowResult& result);
 
-/// Loads every run's timeline, so that faults are told before anything is rendered. Throws
-/// Error(timeline_invalid), Error(input_unreadable).
+/// Loads every run's timeline, so that faults are told before anything is rendered: of the timelines, and
+/// pictures of two sizes that a row compares. Throws Error(timeline_invalid), Error(input_unreadable).
 void check_runs(const Claim& claim);
 
 /// Renders the runs of a claim into FOLDER/RUN, those with times `repeats` times, its reference into

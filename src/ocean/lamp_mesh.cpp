@@ -1,10 +1,13 @@
 #include "ocean/lamp_mesh.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <initializer_list>
+#include <vector>
 
 #include "ocean/grid_size.h"
+#include "scene/area_light.h"
 
 namespace dapple::ocean {
 namespace {
@@ -40,9 +43,39 @@ bool reaches(const scene::Light& spot, const scene::Extent& extent) {
     return meets(corner, x) || meets(corner, z) || meets(corner + x, z) || meets(corner + z, x);
 }
 
-/// Least distance of the extent on the rest plane from a lamp, within its cone, m; infinite where no light
-/// gets there.
+/// Least distance of the extent on the rest plane from an area light, of what lies before its plane, m;
+/// infinite where nothing does.
+double distance_before(const scene::Light& light, const scene::Extent& extent) {
+    const auto before = [&](glm::dvec2 at) {
+        return glm::dot(glm::dvec3(at.x, 0, at.y) - light.position, light.direction);
+    };
+    const glm::dvec2 foot(light.position.x, light.position.z);
+    const glm::dvec2 off = glm::abs(foot - extent.center) - 0.5 * extent.size;
+    if (off.x <= 0 && off.y <= 0 && before(foot) > 0) return std::abs(light.position.y);
+    // Else at the border of what is left of the extent.
+    std::vector<glm::dvec2> border;
+    const std::array<glm::dvec2, 4> corners = {{{-0.5, -0.5}, {0.5, -0.5}, {0.5, 0.5}, {-0.5, 0.5}}};
+    for (std::size_t i = 0; i < 4; ++i) {
+        const glm::dvec2 a = extent.center + corners[i] * extent.size;
+        const glm::dvec2 b = extent.center + corners[(i + 1) % 4] * extent.size;
+        const double at_a = before(a), at_b = before(b);
+        if (at_a > 0) border.push_back(a);
+        if ((at_a > 0) != (at_b > 0)) border.push_back(glm::mix(a, b, at_a / (at_a - at_b)));
+    }
+    double nearest = INFINITY;
+    for (std::size_t i = 0; i < border.size(); ++i) {
+        const glm::dvec2 a = border[i], along = border[(i + 1) % border.size()] - a;
+        const double length2 = glm::dot(along, along);
+        const double at = length2 > 0 ? std::clamp(glm::dot(foot - a, along) / length2, 0.0, 1.0) : 0;
+        nearest = std::min(nearest, glm::distance(foot, a + at * along));
+    }
+    return std::hypot(nearest, light.position.y);
+}
+
+/// Least distance of the extent on the rest plane from a lamp, within its cone or on its side, m; infinite
+/// where no light gets there.
 double distance_to(const scene::Light& lamp, const scene::Extent& extent) {
+    if (scene::is_area(lamp)) return distance_before(lamp, extent);
     const glm::dvec2 beside = glm::max(
         glm::abs(glm::dvec2(lamp.position.x, lamp.position.z) - extent.center) - 0.5 * extent.size, 0.0);
     const double height = lamp.position.y;

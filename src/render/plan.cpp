@@ -190,6 +190,10 @@ private:
 
     void consider(int index, light::Event event) {
         const scene::Light& light = state_.lights[static_cast<std::size_t>(index)];
+        if (faces_away(light)) {
+            add(light::chain_name(state_, {index, event}), false, "all the water lies behind the emitter");
+            return;
+        }
         const bool above = light_above_water(light);
         const bool lands_above = (event == light::Event::reflection) == above;
         // Glass sends light on to where it likes.
@@ -202,6 +206,15 @@ private:
         }
         if (light.part.count > 0) note += "; by " + parts_of(light);
         take({index, event}, sides, note);
+    }
+
+    /// Whether none of the water lies before the plane of an area light, of which all parts share one.
+    bool faces_away(const scene::Light& light) const {
+        const std::vector<glm::dvec3>& surface = scene_.water->mesh.positions;
+        return scene::is_area(light) && !surface.empty() &&
+               std::none_of(surface.begin(), surface.end(), [&](const glm::dvec3& point) {
+                   return glm::dot(point - light.position, light.direction) > 0;
+               });
     }
 
     static std::string parts_of(const scene::Light& light) {

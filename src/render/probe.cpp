@@ -1,5 +1,7 @@
 #include "render/probe.h"
 
+#include <algorithm>
+
 #include "base/error.h"
 #include "methods/reference/oracle.h"
 #include "rays/ray_scene.h"
@@ -23,9 +25,25 @@ std::vector<light::Chain> chains_to(const scene::FrameState& state, bool in_wate
     return chains;
 }
 
+/// Which part of an area light a light is: ", point 3 of 16".
+std::string part_of(const scene::FrameState& state, int light) {
+    const auto part = [&](int i) -> const scene::EmitterPart& {
+        return state.lights[static_cast<std::size_t>(i)].part;
+    };
+    if (part(light).count < 2) return "";
+    int first = 0;  // the parts of an emitter follow each other
+    while (first + std::max(1, part(first).count) <= light) first += std::max(1, part(first).count);
+    return ", point " + std::to_string(light - first + 1) + " of " + std::to_string(part(light).count);
+}
+
+/// The name of a chain, in which the parts of an area light have the same, with the part behind the light's.
+std::string with_part(const scene::FrameState& state, int light, std::string chain) {
+    return chain.insert(chain.rfind(" > "), part_of(state, light));
+}
+
 OracleCount ask_oracle(const scene::FrameState& state, light::Chain chain, const ProbedReceiver& receiver) {
     OracleCount count;
-    count.chain = light::chain_name(state, chain);
+    count.chain = with_part(state, chain.light, light::chain_name(state, chain));
     const scene::Light& light = state.lights[static_cast<std::size_t>(chain.light)];
     try {
         const oracle::Oracle oracle(*state.water, light, state.time,
@@ -33,6 +51,7 @@ OracleCount ask_oracle(const scene::FrameState& state, light::Chain chain, const
                                                                               : oracle::Event::reflection);
         const oracle::Result result = oracle.paths(receiver.position, receiver.normal);
         for (const oracle::Path& path : result.paths) {
+            if (!(path.sent > 0)) continue;
             if (path.blocked) {
                 ++count.behind_waves;
             } else {
@@ -62,7 +81,8 @@ ProbedReceiver receiver_of(const scene::FrameScene& scene, const rays::RayScene&
     const std::vector<light::Chain> chains = chains_to(state, receiver.in_water);
     receiver.paths = methods::sliced_beams::find_point_paths(scene, rays, chains, receiver.position,
                                                              receiver.normal, receiver.in_water);
-    for (const methods::sliced_beams::PointPath& path : receiver.paths.paths) {
+    for (methods::sliced_beams::PointPath& path : receiver.paths.paths) {
+        path.chain = with_part(state, path.light, path.chain);
         if (!path.blocker) receiver.irradiance += path.irradiance;
     }
     if (state.water && state.water->surface.type == scene::WaterSurfaceType::waves) {

@@ -12,8 +12,8 @@ namespace dapple::render {
 
 /// What the oracle (methods/reference/oracle.h) knows of one chain at a point.
 struct OracleCount {
-    std::string chain;        ///< "sun > water:T"
-    int paths = 0;            ///< that waves leave alone, as those on the mesh
+    std::string chain;        ///< "sun > water:T", "panel, point 3 of 16 > water:T"
+    int paths = 0;            ///< with light of the lamp, that waves leave alone, as those on the mesh
     int sign_sum = 0;         ///< of these
     int behind_waves = 0;     ///< others, that waves block between light and facet or facet and point
     bool proven = false;      ///< there are no more, of either kind

@@ -155,6 +155,39 @@ TEST_F(Probe, ANamelessLightAndObjectHaveOneNameEverywhere) {
     EXPECT_EQ(receiver.at("oracle")[0].at("chain"), "lights[0] > water:T");
 }
 
+TEST_F(Probe, AreaLightsAreChainsByTheirPoints) {
+    const std::string lights =
+        "lights=[{type: sun, elevation: 90 deg, irradiance: 2}, {name: panel, type: quad, position: [0 m, 2 "
+        "m, "
+        "0 m], target: [0 m, 0 m, 0 m], size: [1 m, 1 m], radiance: 3, samples: 12}]";
+    const Json receiver = views({"32", "18", "--set", lights})[0].at("receiver");
+    ASSERT_THAT(receiver.at("paths"), SizeIs(13));
+    ASSERT_THAT(receiver.at("oracle"), SizeIs(13));
+    EXPECT_EQ(receiver.at("paths")[0].at("chain"), "lights[0] > water:T");
+    for (std::size_t i = 1; i < 13; ++i) {
+        const std::string chain = "panel, point " + std::to_string(i) + " of 12 > water:T";
+        EXPECT_EQ(receiver.at("paths")[i].at("chain"), chain);
+        EXPECT_EQ(receiver.at("oracle")[i].at("chain"), chain);
+        EXPECT_EQ(receiver.at("oracle")[i].at("paths"), 1);
+    }
+    const std::string text = probe({"32", "18", "--set", lights}).output;
+    EXPECT_THAT(text, HasSubstr("\npanel, point 2 of 12 > water:T: 1 path\n"));
+    EXPECT_LT(text.find("\npanel, point 2 of"), text.find("\npanel, point 10 of"));
+}
+
+TEST_F(Probe, TheOracleKnowsWhereALampSendsNoLight) {
+    for (const char* lamp : {"type: quad, size: [1 m, 1 m], radiance: 3, samples: 1, target: [0 m, 3 m, 0 m]",
+                             "type: spot, cone_angle: 20 deg, target: [3 m, 0 m, 0 m]"}) {
+        const Json receiver =
+            views({"32", "18", "--set",
+                   "lights=[{name: lamp, position: [0 m, 2 m, 0 m], " + std::string(lamp) + "}]"})[0]
+                .at("receiver");
+        EXPECT_EQ(receiver.at("count"), 0) << lamp;
+        EXPECT_EQ(receiver.at("oracle")[0].at("paths"), 0) << lamp;
+        EXPECT_EQ(receiver.at("oracle")[0].at("proven"), true) << lamp;
+    }
+}
+
 TEST_F(Probe, NotesAFrameOutsideTheClipOnStderr) {
     const char* note = "frame 9 lies outside the clip, where its curves hold";
     EXPECT_THAT(probe({"32", "18", "-f", "9"}).output, HasSubstr(note));

@@ -2,12 +2,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <thread>
 
 #include "end_to_end/program.h"
+#include "run/manifest.h"
 
 namespace dapple::end_to_end {
 namespace {
@@ -66,6 +70,35 @@ TEST(TargetError, AFrameAloneAndAClipTakenUpAgainHaveTheSameBytes) {
         render(scratch, "clip", {"-f", "3-5"}, "caustics={method: photon_splatting, target_error: 20 %}");
     EXPECT_EQ(other.code, 2) << other.output;
     EXPECT_THAT(other.output, HasSubstr("other: the timeline"));
+}
+
+TEST(TargetError, AClipThatIsKilledAndTakenUpHasTheSameSettingsAndBytes) {
+    const ScratchFolder scratch;
+    ASSERT_EQ(render(scratch, "whole", {}).code, 0);
+    const nlohmann::json settled = settled_in(scratch / "whole");
+    const auto whole = testing_tools::pictures_in(scratch / "whole");
+    ASSERT_THAT(whole, testing::SizeIs(12));
+    // Among the pilots, which take most of the time; when a manifest holds what is settled; after a frame.
+    int ended = 0;
+    for (const char* awaited : {"", "/manifest.json", "/graded/small.0001.exr"}) {
+        for (const int signal : {SIGKILL, SIGTERM}) {
+            SCOPED_TRACE(std::string(awaited) + ", signal " + std::to_string(signal));
+            const std::string name = "ended" + std::to_string(ended), folder = scratch / name;
+            testing_tools::ChildProcess child(dapple({"render", kSmall, "--set", kTarget, "-o", folder}));
+            std::this_thread::sleep_for(std::chrono::milliseconds(100));
+            for (int i = 0; i < 60'000 && *awaited != 0 && !std::filesystem::exists(folder + awaited); ++i)
+                std::this_thread::sleep_for(std::chrono::milliseconds(1));
+            child.signal(signal);
+            EXPECT_NE(child.wait(), 0) << "the signal came too late to test anything";
+            ++ended;
+            const auto manifest = run::read_manifest(folder + "/manifest.json");
+            EXPECT_EQ(manifest && manifest->settled, *awaited != 0);
+            const Outcome resumed = render(scratch, name, {});
+            ASSERT_EQ(resumed.code, 0) << resumed.output;
+            EXPECT_EQ(settled_in(folder), settled);
+            EXPECT_TRUE(testing_tools::pictures_in(folder) == whole);
+        }
+    }
 }
 
 TEST(TargetError, PlansAndDryRunsTellWhatIsChosen) {

@@ -37,7 +37,7 @@ regions:
   near: {nearer_than: 750 cm}
   far: {farther_than: 15 m, box: [0, 0.5, 1, 1]}
 rows:
-  - {says: first, figure: l1, region: near, of: wide, over: narrow, claimed: {at_most: 1}, expected: [0.9, 1.1], because: so}
+  - {says: first, figure: l1, region: near, of: wide, over: narrow, claimed: {at_most: 1}, expected: [0.9, 1], because: so}
   - {says: second, figure: l1, of: wide, over: [reference, narrow against wide], expected: [0, 2], because: so}
   - {says: third, figure: cpu, passes: [splatting, denoise], of: wide, over: narrow, claimed: {at_least: 0.5, at_most: 0.6}}
   - {says: fourth, figure: count, count: photons, of: wide, expected: [3, 3], because: so}
@@ -108,8 +108,10 @@ TEST_F(ClaimFile, FaultsAreToldWithTheirPlace) {
         {"narrow against wide", "narrow against wise", "there is no run 'wise'"},
         {"region: near", "region: ner", "there is no region 'ner'; did you mean 'near'?"},
         {"at_most: 1}", "at_mots: 1}", "did you mean 'at_most'?"},
-        {"[0.9, 1.1]", "[1.1, 0.9]", "the least comes first"},
-        {"[0.9, 1.1]", "[1.1]", "expected [least, most]"},
+        {"[0.9, 1]", "[1, 0.9]", "the least comes first"},
+        {"[0.9, 1]", "[1]", "expected [least, most]"},
+        {"[0.9, 1]", "[0.9, 1.01]", "rows[0].expected: the verdict would turn within it unseen"},
+        {"{at_most: 1}", "{at_least: 0.95}", "the verdict would turn within it unseen"},
         {", because: so", "", "it needs 'expected' and 'because'"},
         {"at_least: 0.5, at_most: 0.6}", "at_most: 1}, expected: [0, 1]", "another on every machine"},
         {"count: photons, ", "", "'count' names"},
@@ -173,7 +175,7 @@ TEST_F(ClaimFile, ReportsEveryRow) {
     BenchResult bench;
     bench.claims = {result};
     EXPECT_THAT(claim_failures(bench.claims),
-                ElementsAre("claim: first: CHANGED: 1.5, expected 0.9 to 1.1",
+                ElementsAre("claim: first: CHANGED: 1.5, expected 0.9 to 1",
                             "claim: fourth: no figure: the stats count no <photons>"));
     const std::string text = bench_text(bench);
     for (const char* part : {"(A paper, figure 1)", "fails by 1.50", "CHANGED", "as recorded", "FAILED",
@@ -192,6 +194,31 @@ TEST_F(ClaimFile, ReportsEveryRow) {
     EXPECT_TRUE(rows[3].at("value").is_null());
     const std::string csv = bench_csv(bench);
     EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 5);
+}
+
+TEST_F(ClaimFile, PicturesThatARowComparesAreOfOneSize) {
+    const auto message = [&](const std::string& rows) -> std::string {
+        try {
+            check_runs(read("dapple_claim: 1\nsource: a paper\nclaim: a claim\ntimeline: " +
+                            std::string(DAPPLE_SOURCE_DIR) +
+                            "/tests/end_to_end/small.yaml\nframes: 1\n"
+                            "settings: {clip.resolution: [32, 18]}\nreference: {}\n"
+                            "runs:\n  alike: {}\n  large: {clip.resolution: [64, 36]}\nrows:\n" +
+                            rows));
+        } catch (const Error& error) {
+            return error.what();
+        }
+        return "none";
+    };
+    const std::string expected = ", expected: [0, 1], because: so}\n";
+    EXPECT_THAT(message("  - {says: a, figure: l1, of: alike, over: reference" + expected), "none");
+    EXPECT_THAT(message("  - {says: a, figure: count, count: photons, of: large, over: alike" + expected),
+                "none");
+    EXPECT_THAT(message("  - {says: a, figure: l1, of: large against large" + expected), "none");
+    EXPECT_THAT(message("  - {says: a, figure: l1, of: large" + expected),
+                HasSubstr("a: large: 64 x 36 pixels; errors need the 32 x 18 of reference"));
+    EXPECT_THAT(message("  - {says: a, figure: l1, of: alike, over: alike against large" + expected),
+                HasSubstr("a: alike: 32 x 18 pixels; errors need the 64 x 36 of large"));
 }
 
 TEST(BenchClaims, AllThatStandInTheSequencesCanBeRun) {

@@ -110,6 +110,22 @@ TEST(FlatWater, SpotFallsOffBetweenItsCones) {
     EXPECT_NEAR(share(half / scene::kDegree), 0.5, 1e-7);  // the point is 1e-9 m below the water
 }
 
+TEST(FlatWater, PartOfAnAreaLightShinesByTheCosineToOneSide) {
+    scene::Light part = test::lamp_at({0, 2, 0});
+    part.type = scene::LightType::quad;
+    part.direction = {std::sin(0.5), -std::cos(0.5), 0};  // leans to +x
+    const Oracle lamp(flat_water(), test::lamp_at({0, 2, 0}), 0), oracle(flat_water(), part, 0);
+    for (const double angle : {-1.2, -1.0, -0.3, 0.4, 1.3}) {  // a point just below the water
+        const glm::dvec3 point(2 * std::tan(angle), -1e-9, 0);
+        const Result lit = oracle.paths(point, kUp);
+        ASSERT_EQ(lit.paths.size(), 1u);
+        const double cosine = std::max(0.0, std::cos(angle - 0.5));
+        EXPECT_NEAR(lit.irradiance() / lamp.paths(point, kUp).irradiance(), cosine, 1e-7);
+        EXPECT_NEAR(lit.paths[0].sent, cosine, 1e-7);
+        EXPECT_EQ(lit.paths[0].sent == 0, angle == -1.2) << "the plane of the part is at -1.07";
+    }
+}
+
 TEST(FlatWater, MirrorsALampBelowItself) {
     // The image lamp at height -a lights the ceiling: E = F cos / R^2.
     const double a = 1.5, ceiling = 2, r = 1.2;

@@ -2,9 +2,11 @@
 #include <gtest/gtest.h>
 
 #include "closed_form/gentle_sea.h"
+#include "light/beam_axes.h"
 #include "methods/caustic_mesh/caustic_mesh.h"
 #include "methods/reference_frame.h"
 #include "methods/splat_scene.h"
+#include "scene/area_light.h"
 
 namespace dapple {
 namespace {
@@ -60,6 +62,9 @@ struct Way {
 LayerResult by_map(const scene::FrameState& state, const Way& way, FrameStats& stats) {
     Frame frame(state);
     frame.scene.state.caustics.photon_splatting.footprint = way.footprint;
+    frame.chains.clear();
+    for (std::size_t i = 0; i < state.lights.size(); ++i)
+        frame.chains.push_back({static_cast<int>(i), light::Event::transmission});
     const rays::RayScene rays(frame.scene);
     view::LayerCounts counts;
     const view::ReceiverLayer layer = view::trace_layer(frame.scene, rays, {}, counts);
@@ -223,6 +228,79 @@ TEST(SecondBounce, OfACurvedMirrorIsThatOfTheReference) {
     // cm.
     state.caustics.map.map_resolution = 400;
     expect_like_reference(state, {kWays[4]}, 1 << 18, 0.02, 0.025);
+}
+
+/// L1 of E by one ray a place of the water against E by many, over their mean.
+double relative_l1(const LayerResult& found, const LayerResult& truth) {
+    double difference = 0, sum = 0;
+    for (std::size_t i = 0; i < truth.irradiance.size(); ++i) {
+        difference += std::abs(static_cast<double>(found.irradiance[i].x - truth.irradiance[i].x));
+        sum += static_cast<double>(truth.irradiance[i].x);
+    }
+    return difference / sum;
+}
+
+/// The dock with a ball, whose curvature spreads a light's rays five times as far apart on the hull as a
+/// level mirror, below waves that focus on it.
+scene::FrameState dock_with_ball() {
+    scene::Object ball;
+    ball.name = "ball";
+    ball.shape = scene::Shape::sphere;
+    ball.radius = 0.5;
+    ball.transform.position = {0, -kBottom - 0.3, 0};
+    scene::FrameState state = dock(ball);
+    state.clip.width = state.clip.height = 24;
+    state.camera.view_height = 1;
+    state.water->surface.type = scene::WaterSurfaceType::waves;
+    state.water->surface.waves = test::gentle_waves();
+    for (scene::Wave& wave : state.water->surface.waves.waves) wave.amplitude *= 2;
+    state.water->mesh_cells = 160;
+    return state;
+}
+
+/// `one`: the light as one ray a place, widened; `plain`: as a point; `many`: its parts as points.
+void expect_blur(const scene::FrameState& one, const scene::FrameState& plain,
+                 const scene::FrameState& many) {
+    FrameStats stats;
+    const LayerResult truth = by_map(many, kWays[0], stats);
+    const double with = relative_l1(by_map(one, kWays[0], stats), truth);
+    const double without = relative_l1(by_map(plain, kWays[0], stats), truth);
+    printf("L1 widened %.2f %%, as a point %.2f %%\n", 100 * with, 100 * without);
+    // Measured 0.43 and 0.52: what is left is beyond the second order. Widened as if the ball were level, 0.71
+    // and 0.74.
+    EXPECT_LT(with, 0.6 * without);
+}
+
+TEST(SecondBounce, ACurvedMirrorSpreadsTheSunsDisc) {
+    scene::FrameState one = dock_with_ball();
+    one.lights[0].angular_diameter = 2 * scene::kDegree;
+    scene::FrameState plain = one;
+    plain.lights[0].angular_diameter = 0;
+    scene::FrameState many = plain;
+    many.lights.clear();
+    for (const glm::dvec3& direction : light::sun_directions(one.lights[0], 16)) {
+        scene::Light& part = many.lights.emplace_back(plain.lights[0]);
+        part.direction = direction;
+        part.irradiance /= 16;
+    }
+    expect_blur(one, plain, many);
+}
+
+TEST(SecondBounce, ACurvedMirrorSpreadsAnAreaLight) {
+    scene::FrameState given = dock_with_ball();
+    scene::Light& panel = given.lights[0];
+    panel.type = scene::LightType::quad;
+    panel.position = -4.0 * panel.direction;
+    panel.size = {0.14, 0.14};
+    panel.samples = 1;
+    const scene::FrameState one = scene::with_emitter_parts(given);
+    const auto as_points = [&](int samples) {
+        panel.samples = samples;
+        scene::FrameState state = scene::with_emitter_parts(given);
+        for (scene::Light& part : state.lights) part.part.spread_u = part.part.spread_v = glm::dvec3(0);
+        return state;
+    };
+    expect_blur(one, as_points(1), as_points(16));
 }
 
 }  // namespace

@@ -75,6 +75,37 @@ TEST(LampMesh, LampsThatDoNotLightTheWaterLeaveItAlone) {
     EXPECT_EQ(cells(state), 0);
 }
 
+TEST(LampMesh, AreaLightsCountForWhatLiesBeforeThem) {
+    scene::FrameState state = with_spot(2, "");
+    scene::Light& light = state.lights[0];
+    light.type = scene::LightType::quad;
+    EXPECT_EQ(cells(state), 100) << "25 for each 2 m";
+    light.direction = {0, 1, 0};
+    EXPECT_EQ(cells(state), 0) << "away from the water";
+    light.position.y = -2;
+    EXPECT_EQ(cells(state), 100) << "from below";
+    // Upright, so that it lights one half of the water, from its edge on.
+    light.position = {1, 2, 0};
+    light.direction = {1, 0, 0};
+    EXPECT_EQ(cells(state), 100);
+    light.position = {-6, 2, 3};
+    EXPECT_EQ(cells(state), static_cast<int>(std::round(25 * 8 / std::hypot(2.0, 2.0, 1.0))));
+    light.direction = {-1, 0, 0};
+    EXPECT_EQ(cells(state), 0);
+    // Above the middle, turned up until its plane meets the water at the distance x: then that is nearest.
+    light.position = {0, 2, 0};
+    int last = 100;
+    for (double x = 0; x < 4; x += 0.01) {
+        light.direction = glm::normalize(glm::dvec3(2, x, 0));
+        const int now = cells(state);
+        EXPECT_EQ(now, static_cast<int>(std::round(25 * 8 / std::hypot(x, 2.0))));
+        EXPECT_LE(std::abs(now - last), 2) << "without steps";
+        last = now;
+    }
+    light.direction = glm::normalize(glm::dvec3(2, 4.01, 0));
+    EXPECT_EQ(cells(state), 0) << "beyond the end of the water";
+}
+
 TEST(LampMesh, FollowsLampsWithoutSteps) {
     // Down to where the cap holds; then turned away from the water, until it lights none.
     scene::FrameState state = with_spot(20, "a.exr");

@@ -112,6 +112,30 @@ TEST(Plan, ReflectedLightIsTracedOnlyWhereSomethingStandsAboveTheWater) {
     EXPECT_EQ(render::make_plan(scene_of(state), TellingMethod(true)).chains.size(), 2u);
 }
 
+TEST(Plan, AreaLightsThatFaceAwayFromTheWaterAreNotTraced) {
+    scene::FrameState state = pool();
+    state.lights = {test::quad_panel({0, 1, 0}, {1, 1}, 4)};
+    const auto planned = [&](glm::dvec3 direction) {
+        state.lights[0].direction = glm::normalize(direction);
+        scene::FrameScene scene = scene_of(scene::with_emitter_parts(state));
+        auto water = std::make_shared<scene::WaterMesh>();
+        water->mesh.positions = {{-2, 0, -2}, {2, 0, -2}, {2, 0.1, 2}, {-2, 0, 2}};
+        scene.water = water;
+        return render::make_plan(scene, TellingMethod(true));
+    };
+    EXPECT_EQ(planned({0, -1, 0}).chains.size(), 4u);
+    EXPECT_EQ(planned({0, 0, 1}).chains.size(), 4u) << "upright";
+    const render::Plan away = planned({0, 1, 0});
+    EXPECT_TRUE(away.chains.empty());
+    EXPECT_FALSE(away.caustics);
+    EXPECT_TRUE(away.direct_light);
+    EXPECT_EQ(line(away, "panel > water:T").decision, "no");
+    EXPECT_EQ(line(away, "panel > water:T").reason, "all the water lies behind the emitter");
+    // From the middle of the emitter to the corner that a wave lifts: 2 m along x and z, 0.9 m down.
+    EXPECT_EQ(planned({1, 4.5, 1}).chains.size(), 0u);
+    EXPECT_EQ(planned({1, 4.4, 1}).chains.size(), 4u);
+}
+
 TEST(Plan, AMethodOfDirectViewsNeedsOnlyTheCamerasSideOfTheWater) {
     scene::FrameState state = pool();
     state.objects.push_back(test::level_plane("ceiling", 3, 5));

@@ -32,7 +32,8 @@ Support CausticMesh::supports_surface(const scene::FrameState& state) const {
         }))
         reason += state.caustics.map.paper_faithful
                       ? "; the sun as a point"
-                      : "; the sun's disc as a widening of pixels by its variance";
+                      : std::string("; the sun's disc as a widening of pixels by its variance") +
+                            (state.caustics.map.second_bounce ? ", by mirrors as by level ones" : "");
     if (std::any_of(state.lights.begin(), state.lights.end(), scene::is_area))
         reason += "; area lights as points, one for each of their samples";
     if (state.caustics.map.second_bounce) reason += "; light that mirrors send on once after the water";

@@ -66,7 +66,9 @@ public:
     /// 1 for those of the rays whose points on the water an object hides from the light.
     std::vector<std::uint8_t> in_shadow(std::span<const MeshRay> rays) const;
     /// Radius of the image of the sun's disc across a beam, m, at so many m from the water; of light that a
-    /// mirror sends on from there, to which the mean way is added.
+    /// mirror sends on from there, to which the mean way is added, as if the mirror were level. A curved one
+    /// spreads the disc as it spreads the rays: of a disc of 2 degrees by a ball of 50 cm below waves E is
+    /// off by 2.5 % (L1) with this radius, by 2.4 % with none.
     float disc(float way) const { return disc_ * (before_ + way); }
 
 private:

@@ -10,18 +10,12 @@ struct SurfaceDifferentials {
 };
 
 SurfaceDifferentials surface_differentials(const PhotonGrid& grid, const Photons& photons, GridAxis axis) {
-    const Photons::Beside &before = photons.before(axis), &after = photons.after(axis);
-    const Floats steps = all(0.0f) - __builtin_convertvector(before.connected + after.connected, Floats);
-    const auto between = [&](const auto& of) {
-        const Vectors3 own = of(photons.own);
-        return (1.0f / steps) *
-               (choose(after.connected, of(after.ray), own) - choose(before.connected, of(before.ray), own));
-    };
     SurfaceDifferentials surface;
-    surface.dx = between([](const RayLanes& rays) { return rays.water; });
-    surface.dn = between([&](const RayLanes& rays) { return grid.normal(rays); });
+    surface.dx = photons.step_of(axis, [](const RayLanes& rays) { return rays.water; });
+    surface.dn = photons.step_of(axis, [&](const RayLanes& rays) { return grid.normal(rays); });
     if (grid.mesh().mirrored())
-        surface.mirror_turn = between([&](const RayLanes& rays) { return grid.mirror_normal(rays); });
+        surface.mirror_turn =
+            photons.step_of(axis, [&](const RayLanes& rays) { return grid.mirror_normal(rays); });
     return surface;
 }
 
@@ -37,7 +31,7 @@ Floats triangle_area(Vectors3 a, Vectors3 b, Vectors3 c) {
 Footprints differential_footprint(const PhotonGrid& grid, const Photons& photons, const PhotonHits& hits) {
     const auto side = [&](GridAxis axis, Vectors3& result) {
         const SurfaceDifferentials surface = surface_differentials(grid, photons, axis);
-        Flags found = photons.before(axis).connected | photons.after(axis).connected;
+        Flags found = photons.any_connected(axis);
         const Vectors3 turned = grid.turned(photons, surface.dx, found);
         const Vectors3 spread = grid.spread(photons, turned, surface.dn, found);
         const Vectors3 step = grid.carried(photons, hits, {surface.dx, spread, surface.mirror_turn}, found);
@@ -68,10 +62,7 @@ Footprints paper_differential_footprint(const PhotonGrid& grid, const Photons& p
         return Corner{choose(connected, after.water, before.water), choose(connected, after.far, before.far)};
     };
     const Corner own = corner(photons.own), right = next(GridAxis::columns), up = next(GridAxis::rows);
-    const auto any = [&](GridAxis axis) {
-        return photons.before(axis).connected | photons.after(axis).connected;
-    };
-    const Flags alone = ~(any(GridAxis::columns) & any(GridAxis::rows));
+    const Flags alone = ~(photons.any_connected(GridAxis::columns) & photons.any_connected(GridAxis::rows));
     const Floats compression = triangle_area(own.far, right.far, up.far) /  // sigma^2, A' / A
                                triangle_area(own.water, right.water, up.water);
     Footprints footprints =

@@ -1,5 +1,9 @@
 #include "methods/photon_splatting/emitter_blur.h"
 
+#include <cmath>
+
+#include "scene/area_light.h"
+
 namespace dapple::methods {
 namespace {
 
@@ -9,19 +13,29 @@ constexpr float kLeastRatio = 1e-4f, kLeastSpread = 1e-10f;
 }  // namespace
 
 EmitterBlur::EmitterBlur(const scene::FrameScene& scene, const PhotonGrid& grid) : grid_(grid) {
-    const scene::EmitterPart& part = scene.state.lights[static_cast<std::size_t>(grid.mesh().light)].part;
-    any_ = part.count > 0;
-    spread_u_ = glm::vec3(part.spread_u);
-    spread_v_ = glm::vec3(part.spread_v);
+    const scene::Light& light = scene.state.lights[static_cast<std::size_t>(grid.mesh().light)];
+    any_ = light.part.count > 0 || (grid.sun() && grid.mesh().mirrored() && light.angular_diameter > 0);
+    spread_u_ = glm::vec3(light.part.spread_u);
+    spread_v_ = glm::vec3(light.part.spread_v);
+    if (!grid.sun()) return;
+    // A disc's variance along a line is a quarter of its radius squared.
+    const scene::LightFrame across = scene::light_frame(light);
+    const double deviation = 0.5 * std::tan(0.5 * light.angular_diameter);
+    spread_u_ = glm::vec3(deviation * across.right);
+    spread_v_ = glm::vec3(deviation * across.up);
 }
 
 Metric EmitterBlur::inverse_covariance(const Photons& photons, const PhotonHits& hits, Vectors3 right,
                                        Vectors3 up) const {
     Metric sum{{}, {}, {}};
     for (const glm::vec3& spread : {spread_u_, spread_v_}) {
-        const Vectors3 turned = grid_.turned(photons, all(-spread), photons.on);
-        const Vectors3 leaving = grid_.spread(photons, turned, {}, photons.on);
-        const Vectors3 moved = grid_.carried(photons, hits, {{}, leaving, {}}, photons.on);
+        const Vectors3 turned = grid_.sun() ? all(spread) : grid_.turned(photons, all(-spread), photons.on);
+        PhotonGrid::Leaving leaving;
+        leaving.direction = grid_.spread(photons, turned, {}, photons.on);
+        if (grid_.mesh().mirrored())
+            leaving.mirror_turn =
+                grid_.mirror_turn(photons, grid_.moved_on_mirror(photons, {}, leaving.direction, photons.on));
+        const Vectors3 moved = grid_.carried(photons, hits, leaving, photons.on);
         const Floats x = dot(moved, right), y = dot(moved, up);
         sum.xx += x * x;
         sum.xy += x * y;

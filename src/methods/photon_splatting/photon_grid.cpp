@@ -13,6 +13,9 @@ namespace {
 constexpr float kLeastRelativeCosine = 0.1f;
 // Neighbours further apart on the water, in cells, are on different sheets of it.
 constexpr float kFarthestNeighbor = 4;
+// Of the squared length of the longer step on a mirror, at least, that the other has across it, to tell how
+// the mirror bends there.
+constexpr float kLeastAcross = 1e-3f;
 
 /// From the points to where the rays beside them meet the same planes; `meets`: not where those run along the
 /// plane or away from it.
@@ -161,21 +164,52 @@ Vectors3 PhotonGrid::spread(const Photons& photons, Vectors3 turned, Vectors3 dn
     return result;
 }
 
-Vectors3 PhotonGrid::carried(const Photons& photons, const PhotonHits& hits, const Leaving& leaving,
-                             Flags on) const {
-    const Vectors3 outs = from_water(photons.own);
-    const Vectors3 mirrors = mesh_.mirrored() ? mirror_normal(photons.own) : Vectors3{};
+Vectors3 PhotonGrid::moved_on_mirror(const Photons& photons, Vectors3 place, Vectors3 direction,
+                                     Flags on) const {
+    const Vectors3 outs = from_water(photons.own), mirrors = mirror_normal(photons.own);
     Vectors3 result;
     for (std::size_t k = 0; k < kPhotons; ++k) {
         if (on[k] == 0) continue;
-        glm::vec3 place = lane(leaving.place, k), direction = lane(leaving.direction, k);
-        if (mesh_.mirrored()) {
-            const glm::vec3 before = lane(outs, k), mirror = lane(mirrors, k);
-            const float way = glm::distance(lane(photons.own.surface, k), lane(photons.own.water, k));
-            place = optics::f32::transferred_differential(place, direction, before, way, mirror);
-            direction =
-                optics::f32::reflected_differential(before, mirror, direction, lane(leaving.mirror_turn, k));
-        }
+        const float way = glm::distance(lane(photons.own.surface, k), lane(photons.own.water, k));
+        set_lane(result, k,
+                 optics::f32::transferred_differential(lane(place, k), lane(direction, k), lane(outs, k), way,
+                                                       lane(mirrors, k)));
+    }
+    return result;
+}
+
+Vectors3 PhotonGrid::mirror_turn(const Photons& photons, Vectors3 moved) const {
+    const auto place = [](const RayLanes& rays) { return rays.surface; };
+    const auto facing = [&](const RayLanes& rays) { return mirror_normal(rays); };
+    const Vectors3 a = photons.step_of(GridAxis::columns, place), b = photons.step_of(GridAxis::rows, place);
+    const Vectors3 turn_a = photons.step_of(GridAxis::columns, facing),
+                   turn_b = photons.step_of(GridAxis::rows, facing);
+    // moved = s a + t b in the least squares, of the two by two equations of which the diagonal is raised.
+    const Floats least = kLeastAcross * lanes::greater(dot(a, a), dot(b, b));
+    const Floats aa = dot(a, a) + least, bb = dot(b, b) + least, ab = dot(a, b);
+    const Floats to_a = dot(moved, a), to_b = dot(moved, b), inverse = 1.0f / (aa * bb - ab * ab);
+    const Vectors3 turn =
+        (inverse * (to_a * bb - to_b * ab)) * turn_a + (inverse * (to_b * aa - to_a * ab)) * turn_b;
+    return choose(photons.any_connected(GridAxis::columns) & photons.any_connected(GridAxis::rows) &
+                      finite(dot(turn, turn)),
+                  turn, {});
+}
+
+Vectors3 PhotonGrid::carried(const Photons& photons, const PhotonHits& hits, const Leaving& leaving,
+                             Flags on) const {
+    const Vectors3 outs = from_water(photons.own);
+    const bool mirrored = mesh_.mirrored();
+    const Vectors3 mirrors = mirrored ? mirror_normal(photons.own) : Vectors3{};
+    const Vectors3 places =
+        mirrored ? moved_on_mirror(photons, leaving.place, leaving.direction, on) : leaving.place;
+    Vectors3 result;
+    for (std::size_t k = 0; k < kPhotons; ++k) {
+        if (on[k] == 0) continue;
+        const glm::vec3 place = lane(places, k);
+        glm::vec3 direction = lane(leaving.direction, k);
+        if (mirrored)
+            direction = optics::f32::reflected_differential(lane(outs, k), lane(mirrors, k), direction,
+                                                            lane(leaving.mirror_turn, k));
         set_lane(result, k,
                  optics::f32::transferred_differential(place, direction, lane(hits.beam, k), hits.way[k],
                                                        lane(hits.normal, k)));

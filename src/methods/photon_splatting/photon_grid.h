@@ -35,6 +35,17 @@ struct Photons {
     std::array<Beside, 4> beside;  ///< before and after along columns, before and after along rows
     const Beside& before(GridAxis axis) const { return beside[axis == GridAxis::columns ? 0 : 2]; }
     const Beside& after(GridAxis axis) const { return beside[axis == GridAxis::columns ? 1 : 3]; }
+
+    Flags any_connected(GridAxis axis) const { return before(axis).connected | after(axis).connected; }
+    /// Difference a step of the grid of what `of` says of a ray; no number where none beside is connected.
+    template <class Of>
+    Vectors3 step_of(GridAxis axis, const Of& of) const {
+        const Beside &low = before(axis), &high = after(axis);
+        const Floats steps = all(0.0f) - __builtin_convertvector(low.connected + high.connected, Floats);
+        const Vectors3 here = of(own);
+        return (1.0f / steps) *
+               (choose(high.connected, of(high.ray), here) - choose(low.connected, of(low.ray), here));
+    }
 };
 
 /// Where photons' rays meet the tangent planes that they are splatted on.
@@ -88,6 +99,11 @@ public:
     struct Leaving {
         Vectors3 place, direction, mirror_turn;
     };
+    /// Differentials of the places on the mirrors, of those where photons leave the water.
+    Vectors3 moved_on_mirror(const Photons& photons, Vectors3 place, Vectors3 direction, Flags on) const;
+    /// Differentials of the mirrors' normals where the places on them move: what the rays beside have met of
+    /// their curvature, 0 for rays that stand alone and along directions in which those lie too close.
+    Vectors3 mirror_turn(const Photons& photons, Vectors3 moved) const;
     /// Takes them to the hits' planes; what lanes that are not `on` hold means nothing.
     Vectors3 carried(const Photons& photons, const PhotonHits& hits, const Leaving& leaving, Flags on) const;
     /// Differentials of the directions in which the light leaves the water: that of the light's own direction

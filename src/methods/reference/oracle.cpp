@@ -21,8 +21,12 @@ Shares fresnel(double cos_i, double eta) {
     return {2 * eta * cos_i * cos_t * (1 / (s * s) + 1 / (p * p)), 0.5 * (r_s * r_s + r_p * r_p)};
 }
 
-/// 1 in a spot's inner cone, 0 outside the outer one, a cubic of the cosine with level ends between them.
-double spot_share(const scene::Light& light, double cosine) {
+/// Intensity under an angle to the light's axis over that on the axis: of a spot 1 in its inner cone, 0
+/// outside the outer one, a cubic of the cosine with level ends between them; of a part of an area light the
+/// cosine, on the side that shines.
+double intensity_share(const scene::Light& light, double cosine) {
+    if (light.type == scene::LightType::point) return 1;
+    if (light.type != scene::LightType::spot) return std::max(0.0, cosine);
     const double outer = std::cos(light.cone_angle), inner = std::cos(light.cone_angle - light.falloff_angle);
     if (cosine <= outer) return 0;
     if (cosine >= inner) return 1;
@@ -93,9 +97,8 @@ LandingPoint Oracle::land_local(const Surface::Local& surface, const MapConstant
     point.transmittance = event_ == Event::transmission ? shares.transmitted : shares.reflected;
     double density = 1;  // W/m^2 across the ray
     if (!map.sun) {
-        density = 1 / (distance * distance);
-        if (light_.type == scene::LightType::spot)
-            density *= spot_share(light_, glm::dot(way, light_.direction) / distance);
+        point.sent = intensity_share(light_, glm::dot(way, light_.direction) / distance);
+        density = point.sent / (distance * distance);
     }
     point.flux = density * facing / distance * point.transmittance;
     return point;
@@ -138,6 +141,7 @@ Path Oracle::path(const Surface::Local& surface, const MapConstants& map, const 
     const glm::dvec3 onwards = glm::dvec3(0, point.y, 0) - start;
     const double way = glm::length(onwards);
     path.way = event_ == Event::transmission ? way : 0;
+    path.sent = ray.sent;
     // Flux through the level plane, turned to the receiver.
     const double tilt = std::max(0.0, -glm::dot(ray.direction, normal)) / std::abs(ray.direction.y);
     path.irradiance = ray.flux * tilt / std::abs(path.jacobian);

@@ -19,9 +19,13 @@ struct Path {
     /// det d X / d (u, v): X is where the ray from above (u, v) meets the level plane through the point.
     double jacobian = 1;
     int sign = 1;  ///< of the jacobian, proven
-    /// W/m^2 on the receiver for a light of 1 W/m^2 or 1 W/sr; without absorption and without shadows. 0
-    /// where the light comes from behind the receiver or is outside a spot's cone, whose picture is left out.
+    /// W/m^2 on the receiver for a light of 1 W/m^2, or of 1 W/sr along its axis; without absorption and
+    /// without shadows. 0 where the light comes from behind the receiver, or none is sent. A spot's picture
+    /// is left out.
     double irradiance = 0;
+    /// The lamp's intensity towards the water point over that along its axis: 0 outside a spot's cone and
+    /// behind an area light, of which the Oracle knows one part, by its point; 1 of a sun.
+    double sent = 1;
     double transmittance = 1;  ///< Fresnel's share of the event: of reflection, the reflectance
     double way = 0;            ///< m, in the water; 0 after reflection
     /// Waves stand between the light and the facet, or between the facet and the point: nothing arrives.
@@ -57,9 +61,10 @@ struct LandingPoint {
     glm::dvec2 position{0, 0};        ///< m, world x and z on the plane
     glm::dmat2 jacobian{1.0};         ///< columns: derivatives of `position` by u and by v
     glm::dvec3 direction{0, 0, 0};    ///< unit, after the event
-    /// W per m^2 of horizontal area of water that leave the facet, for a light of 1 W/m^2 or 1 W/sr; 0 for
-    /// facets that face away.
+    /// W per m^2 of horizontal area of water that leave the facet, for a light of 1 W/m^2, or of 1 W/sr along
+    /// its axis; 0 for facets that face away.
     double flux = 0;
+    double sent = 1;           ///< as Path::sent, where the facet faces the light
     double transmittance = 1;  ///< as Path::transmittance
     bool lands = false;        ///< the facet faces the light, and the plane lies ahead of the ray
 };

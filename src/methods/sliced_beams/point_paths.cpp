@@ -59,6 +59,7 @@ private:
         };
         PointPath path;
         path.chain = beams.name;
+        path.light = beams.light;
         path.water_point = beams.world_from_mesh * water + scene_.origin;
         path.direction = glm::normalize(beams.world_from_mesh * slope);
         path.way = glm::length(local.position - water);

@@ -15,6 +15,7 @@ namespace dapple::methods::sliced_beams {
 /// One light path to a point, found on the water mesh.
 struct PointPath {
     std::string chain;       ///< "sun > water:T"
+    int light;               ///< index into FrameState::lights
     glm::dvec3 water_point;  ///< m, world, where the light leaves the water surface
     glm::dvec3 direction;    ///< unit, of travel after the event
     /// W/m^2 a channel, on the receiver's plane, after the water's extinction, as if nothing stood in the
