@@ -28,7 +28,8 @@ struct Panel {
         const double area = glm::length(glm::cross(along, across)) * (disc ? glm::pi<double>() : 1);
         std::vector<EmitterPoint> points;
         for (int i = 0; i < steps * steps; ++i) {
-            const double a = (i / steps + 0.5) / steps, b = (i % steps + 0.5) / steps;
+            const int row = i / steps;
+            const double a = (row + 0.5) / steps, b = (i % steps + 0.5) / steps;
             glm::dvec2 off(a - 0.5, b - 0.5);
             if (disc) {
                 const double angle = 2 * glm::pi<double>() * b;
@@ -95,7 +96,8 @@ inline std::vector<double> below_flat_water(const scene::Light& emitter,
     std::vector<double> sums(static_cast<std::size_t>(pixels) * static_cast<std::size_t>(pixels), 0);
     std::vector<Entry> entries;
     double height = -1;
-    for (const auto& [from, area] : points) {
+    for (const EmitterPoint& point : points) {
+        const glm::dvec3 from = point.position;
         if (std::abs(from.y - height) > 1e-12) entries = table(height = from.y);
         const std::vector<double> of_point = pixel_means(view, pixels, [&](double x, double z) {
             const glm::dvec2 off(x - from.x, z - from.z);
@@ -107,7 +109,8 @@ inline std::vector<double> below_flat_water(const scene::Light& emitter,
             const glm::dvec3 way = glm::normalize(glm::dvec3(level.x, -1, level.y));
             return e * std::max(0.0, glm::dot(way, emitter.direction));
         });
-        for (std::size_t k = 0; k < sums.size(); ++k) sums[k] += emitter.radiance.x * area * of_point[k];
+        for (std::size_t k = 0; k < sums.size(); ++k)
+            sums[k] += emitter.radiance.x * point.area * of_point[k];
     }
     return sums;
 }

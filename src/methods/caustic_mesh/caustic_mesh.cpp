@@ -9,6 +9,7 @@
 #include "media/media.h"
 #include "methods/caustic_mesh/cell_builder.h"
 #include "methods/caustic_mesh/cell_renderer.h"
+#include "methods/caustic_mesh/mirrored_disc.h"
 #include "methods/mirror_bounce.h"
 #include "scene/area_light.h"
 
@@ -32,8 +33,7 @@ Support CausticMesh::supports_surface(const scene::FrameState& state) const {
         }))
         reason += state.caustics.map.paper_faithful
                       ? "; the sun as a point"
-                      : std::string("; the sun's disc as a widening of pixels by its variance") +
-                            (state.caustics.map.second_bounce ? ", by mirrors as by level ones" : "");
+                      : "; the sun's disc as a widening of pixels by its variance";
     if (std::any_of(state.lights.begin(), state.lights.end(), scene::is_area))
         reason += "; area lights as points, one for each of their samples";
     if (state.caustics.map.second_bounce) reason += "; light that mirrors send on once after the water";
@@ -53,7 +53,8 @@ std::size_t CausticMesh::bytes(const scene::FrameState& state, std::size_t pixel
     // device.
     const double stretch = std::min(maps.largest, static_cast<double>(caustic_mesh::kStretch));
     const bool bounce = state.caustics.map.second_bounce;
-    const double vertex = kLanding + (bounce ? mirrored_vertex_bytes(state) : 0);
+    const double vertex =
+        kLanding + (bounce ? mirrored_vertex_bytes(state) + sizeof(caustic_mesh::DiscImage) : 0);
     const double begin = std::max(maps.tracing, maps.meshes + maps.largest * vertex + stretch * cell);
     const double layers = static_cast<double>(pixels) * kLayer;
     constexpr double kMost = 0x1p61;  // maps of absurd size must not wrap around to a small number

@@ -181,6 +181,7 @@ private:
             ray.start += weight[k] * corners[k].start;
             ray.flux += weight[k] * corners[k].flux;
             ray.tint += weight[k] * corners[k].tint;
+            ray.disc.add(weight[k], corners[k].disc);
         }
         return ray;
     }

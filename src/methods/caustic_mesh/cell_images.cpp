@@ -37,7 +37,9 @@ CellImage CellImages::landed(const Corners& corners, float share) const {
     CellImage image = about(corners, share);
     glm::vec3 normal(0);
     float way = 0;
+    DiscImage disc;
     for (std::size_t k = 0; k < 4; ++k) {
+        disc.add(0.25f, corners[k].disc);
         image.depth[k] = corners[k].depth;
         image.cell.corner[k] = corners[k].landing();
         image.cell.flux[k] = corners[k].flux;
@@ -46,7 +48,7 @@ CellImage CellImages::landed(const Corners& corners, float share) const {
         way += 0.25f * (corners[k].depth - corners[k].start) * glm::length(corners[k].slope);
     }
     image.cell.normal = glm::normalize(normal);
-    image.cell.disc = mesh_.disc(way);
+    image.cell.disc = disc.radius(way);
     return image;
 }
 
@@ -54,7 +56,7 @@ bool CellImages::on_plane(const Corners& corners, const MeshRay& on, float share
     const glm::vec3 point = on.landing();
     image = about(corners, share);
     image.cell.normal = on.normal;
-    image.cell.disc = mesh_.disc((on.depth - on.start) * glm::length(on.slope));
+    image.cell.disc = on.disc.radius((on.depth - on.start) * glm::length(on.slope));
     const float cosine = glm::dot(on.normal, on.slope);
     for (std::size_t k = 0; k < 4; ++k) {
         const MeshRay& ray = corners[k];

@@ -67,15 +67,7 @@ LandedMesh::LandedMesh(const scene::FrameScene& scene, const media::Media& media
     const double narrowed =
         mesh.event == light::Event::transmission ? scene.state.water->refractive_index : 1.0;
     if (sun) disc_ = static_cast<float>(0.5 * light.angular_diameter / narrowed);
-    if (mesh.mirrored()) {
-        std::size_t lit = 0;
-        for (std::size_t i = 0; i < mesh.vertices(); ++i) {
-            if (!(mesh.flux[i] > 0)) continue;
-            before_ += glm::distance(ray(i).surface_point(), mesh.water_point[i]);
-            ++lit;
-        }
-        before_ /= static_cast<float>(std::max<std::size_t>(1, lit));
-    }
+    if (disc_ > 0 && mesh.mirrored()) discs_ = mirrored_discs(mesh, disc_, farthest_);
     parallel_for(areas_.size(), kTile, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) areas_[i] = area_about(i);
     });
@@ -121,6 +113,7 @@ MeshRay LandedMesh::ray(std::size_t i) const {
     ray.depth = landings_.depth[i];
     ray.normal = landings_.normal[i];
     ray.area = areas_[i];
+    ray.disc = discs_.empty() ? DiscImage{0, 0, disc_ * disc_} : discs_[i];
     return ray;
 }
 

@@ -11,6 +11,7 @@
 #include "light/landing.h"
 #include "light/way_transmittance.h"
 #include "media/media.h"
+#include "methods/caustic_mesh/mirrored_disc.h"
 #include "rays/ray_scene.h"
 #include "scene/frame_scene.h"
 
@@ -27,6 +28,7 @@ struct MeshRay {
     glm::vec3 normal{0, 1, 0};  ///< unit, against the ray
     /// Area on the plane that it landed on of a cell with it as its middle, m^2; 0: not known.
     float area = 0;
+    DiscImage disc;  ///< of the sun, by the way from where the ray starts
 
     bool landed() const { return flux > 0 && depth < std::numeric_limits<float>::infinity(); }
     glm::vec3 surface_point() const { return origin + start * slope; }
@@ -65,11 +67,6 @@ public:
     bool shadowed() const { return shadowed_; }
     /// 1 for those of the rays whose points on the water an object hides from the light.
     std::vector<std::uint8_t> in_shadow(std::span<const MeshRay> rays) const;
-    /// Radius of the image of the sun's disc across a beam, m, at so many m from the water; of light that a
-    /// mirror sends on from there, to which the mean way is added, as if the mirror were level. A curved one
-    /// spreads the disc as it spreads the rays: of a disc of 2 degrees by a ball of 50 cm below waves E is
-    /// off by 2.5 % (L1) with this radius, by 2.4 % with none.
-    float disc(float way) const { return disc_ * (before_ + way); }
 
 private:
     bool step_to(const MeshRay& ray, std::size_t j, glm::vec3& step) const;
@@ -89,8 +86,8 @@ private:
     glm::vec3 color_;
     float farthest_;  // m
     bool shadowed_;
-    float disc_ = 0;    // radius a m of way
-    float before_ = 0;  // m from the water to the mirror
+    float disc_ = 0;                // radius a m of way
+    std::vector<DiscImage> discs_;  // behind a mirror
 };
 
 }  // namespace dapple::methods::caustic_mesh
