@@ -139,11 +139,11 @@ void TexelTracer::leave(const Met& met, TexelRays& rays) const {
     }
     const glm::vec3 axis = axis_;
     for (std::size_t k = 0; k < kMost; ++k) {
-        const bool carried = (met.water[k] != 0) & (facing[k] > 0);
+        const bool carried = met.water[k] != 0 && facing[k] > 0;
         const float flux = carried ? rays.flux[k] : kNoRay;
         const glm::vec3 direction = rays.slope.at(k), point = met.point.at(k);
         const float along = glm::dot(direction, axis);
-        const bool held = (rays.flux[k] >= 0) & (along > kSmallestAxisCosine);
+        const bool held = rays.flux[k] >= 0 && along > kSmallestAxisCosine;
         rays.flux[k] = held ? flux : kNoRay;
         rays.lost[k] = held ? 0.0f : glm::max(0.0f, flux);
         const float inverse = 1 / along;
