@@ -10,9 +10,10 @@ namespace dapple {
 /// speed only, and nothing below 2 MiB, or where the system has no large pages or would not give any.
 void prefer_large_pages(void* memory, std::size_t bytes);
 
-/// Makes the vector that large, on large pages.
+/// Makes the vector that large, on large pages. What it held is lost, but for the memory.
 template <class T>
-void resize_large(LargeVector<T>& vector, std::size_t size) {
+void renew_large(LargeVector<T>& vector, std::size_t size) {
+    vector.clear();  // or else it would be copied to a larger place
     vector.reserve(size);
     prefer_large_pages(vector.data(), size * sizeof(T));
     vector.resize(size);

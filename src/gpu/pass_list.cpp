@@ -29,6 +29,7 @@ struct Pass {
     bool clear = true;
     std::uint32_t vertices = 0;
     Buffer::State* indices = nullptr;
+    vk::BufferImageCopy copied{};
 };
 
 const PipelineState& checked_pipeline(const std::string& name, const PipelineState& pipeline,
@@ -78,23 +79,30 @@ Pass bound_pass(const Device::State& device, std::string_view name, Kind kind, c
     return pass;
 }
 
-Pass copy_pass(std::string_view name, Kind kind, Image::State& image, Buffer::State& buffer) {
+vk::BufferImageCopy whole_image(const Image::State& image) {
+    return {.imageSubresource = {.aspectMask = image.aspect, .layerCount = 1},
+            .imageExtent = {static_cast<std::uint32_t>(image.width), static_cast<std::uint32_t>(image.height),
+                            static_cast<std::uint32_t>(image.depth)}};
+}
+
+Pass copy_pass(std::string_view name, Kind kind, Image::State& image, Buffer::State& buffer,
+               const vk::BufferImageCopy& copied) {
     Pass pass;
     pass.name = name;
     pass.kind = kind;
     pass.images = {&image};
     pass.buffers = {&buffer};
-    const std::size_t pixels = static_cast<std::size_t>(image.width) *
-                               static_cast<std::size_t>(image.height) * static_cast<std::size_t>(image.depth);
-    require(pixels * bytes_per_texel(image.format) <= buffer.bytes,
+    pass.copied = copied;
+    const auto& [columns, rows, slices] = copied.imageExtent;
+    require(std::size_t{columns} * rows * slices * bytes_per_texel(image.format) <= buffer.bytes,
             "pass '" + pass.name + "': the buffer is smaller than the image");
+    if (kind == Kind::image_to_buffer)
+        pass.uses = {{&image, Stage::eCopy, Access::eTransferRead, {}},
+                     {&buffer, Stage::eCopy, {}, Access::eTransferWrite}};
+    else
+        pass.uses = {{&buffer, Stage::eCopy, Access::eTransferRead, {}},
+                     {&image, Stage::eCopy, {}, Access::eTransferWrite}};
     return pass;
-}
-
-vk::BufferImageCopy whole_image(const Image::State& image) {
-    return {.imageSubresource = {.aspectMask = image.aspect, .layerCount = 1},
-            .imageExtent = {static_cast<std::uint32_t>(image.width), static_cast<std::uint32_t>(image.height),
-                            static_cast<std::uint32_t>(image.depth)}};
 }
 
 vk::RenderingAttachmentInfo attachment(const Image::State& image, bool clear, const vk::ClearValue& value) {
@@ -206,17 +214,25 @@ void PassList::draw(std::string_view name, const RasterPipeline& pipeline, Bindi
 }
 
 void PassList::copy(std::string_view name, const Image& from, const Buffer& to) {
-    Pass pass = copy_pass(name, Kind::image_to_buffer, from.state(), to.state());
-    pass.uses = {{&from.state(), Stage::eCopy, Access::eTransferRead, {}},
-                 {&to.state(), Stage::eCopy, {}, Access::eTransferWrite}};
-    state_->passes.push_back(std::move(pass));
+    state_->passes.push_back(
+        copy_pass(name, Kind::image_to_buffer, from.state(), to.state(), whole_image(from.state())));
 }
 
 void PassList::copy(std::string_view name, const Buffer& from, const Image& to) {
-    Pass pass = copy_pass(name, Kind::buffer_to_image, to.state(), from.state());
-    pass.uses = {{&from.state(), Stage::eCopy, Access::eTransferRead, {}},
-                 {&to.state(), Stage::eCopy, {}, Access::eTransferWrite}};
-    state_->passes.push_back(std::move(pass));
+    state_->passes.push_back(
+        copy_pass(name, Kind::buffer_to_image, to.state(), from.state(), whole_image(to.state())));
+}
+
+void PassList::copy(std::string_view name, const Image& from, const Texels& texels, const Buffer& to) {
+    const auto& [left, top, columns, rows] = texels;
+    require(left >= 0 && top >= 0 && columns > 0 && rows > 0 && left + columns <= from.width() &&
+                top + rows <= from.height(),
+            "pass '" + std::string(name) + "': the texels do not lie in the image");
+    vk::BufferImageCopy copied = whole_image(from.state());
+    copied.imageOffset = vk::Offset3D{left, top, 0};
+    copied.imageExtent =
+        vk::Extent3D{static_cast<std::uint32_t>(columns), static_cast<std::uint32_t>(rows), 1};
+    state_->passes.push_back(copy_pass(name, Kind::image_to_buffer, from.state(), to.state(), copied));
 }
 
 vk::raii::DescriptorPool PassList::State::make_descriptor_pool() const {
@@ -306,11 +322,11 @@ void PassList::State::record(const vk::raii::CommandBuffer& commands, const vk::
                 break;
             case Kind::image_to_buffer:
                 commands.copyImageToBuffer(*pass.images[0]->image, vk::ImageLayout::eGeneral,
-                                           *pass.buffers[0]->buffer, whole_image(*pass.images[0]));
+                                           *pass.buffers[0]->buffer, pass.copied);
                 break;
             case Kind::buffer_to_image:
                 commands.copyBufferToImage(*pass.buffers[0]->buffer, *pass.images[0]->image,
-                                           vk::ImageLayout::eGeneral, whole_image(*pass.images[0]));
+                                           vk::ImageLayout::eGeneral, pass.copied);
                 break;
         }
         commands.writeTimestamp2(Stage::eAllCommands, *times, query++);

@@ -35,6 +35,11 @@ struct Draw {
     const Buffer* index_buffer = nullptr;
 };
 
+/// A rectangle of a 2-D image.
+struct Texels {
+    int left = 0, top = 0, columns = 0, rows = 0;
+};
+
 struct Targets {
     std::vector<const Image*> colors{};
     const Image* depth = nullptr;
@@ -57,6 +62,7 @@ public:
     /// Tightly packed rows, in the image's own format.
     void copy(std::string_view name, const Image& from, const Buffer& to);
     void copy(std::string_view name, const Buffer& from, const Image& to);
+    void copy(std::string_view name, const Image& from, const Texels& texels, const Buffer& to);
     /// The wall and CPU time of the whole run is shared out to the passes in proportion to their device time.
     /// The first run of a pipeline includes its compilation by the driver.
     void run(FrameStats& stats);  // throws Error(device)

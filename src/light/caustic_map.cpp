@@ -15,22 +15,15 @@
 #include "light/ring.h"
 #include "light/spot_picture.h"
 #include "light/surface_flux.h"
-#include "scene/area_light.h"
-#include "spirv/light_beam_rays_comp.h"
+#include "light/texel_rays.h"
 #include "spirv/light_caustic_map_frag.h"
 #include "spirv/light_caustic_map_vert.h"
 
 namespace dapple::light {
 namespace {
 
-using layout::BeamRay;
-using layout::BeamRaysPush;
 using layout::CausticMapPush;
 static_assert(sizeof(CausticMapPush) == 44);
-static_assert(sizeof(BeamRaysPush) == 124);
-static_assert(sizeof(BeamRay) == 36);
-
-constexpr std::uint32_t kGroupColumns = 16, kGroupRows = 4;  // of light/beam_rays.comp
 
 gpu::RasterDescription map_raster() {
     gpu::RasterDescription description;
@@ -61,61 +54,41 @@ CausticMapPush map_push(const MapPlan& plan, glm::dvec3 origin) {
     return push;
 }
 
-BeamRaysPush rays_push(const scene::FrameScene& scene, const MapPlan& plan, const scene::Light& light,
-                       const BeamMesh& mesh) {
-    const double n = scene.state.water->refractive_index;
-    const bool sun = light.type == scene::LightType::sun;
-    BeamRaysPush push;
-    push.anchor = glm::vec2(plan.anchor - horizontal(scene.origin));
-    push.column_step = glm::vec2(plan.texel[0]);
-    push.row_step = glm::vec2(plan.texel[1]);
-    push.first_column = static_cast<int>(plan.first.x);
-    push.first_row = static_cast<int>(plan.first.y);
-    push.shear = glm::vec2(plan.shear - horizontal(scene.origin) * plan.inverse_height);
-    push.inverse_height = static_cast<float>(plan.inverse_height);
-    push.rest_height = static_cast<float>(-scene.origin.y);
-    push.light = glm::vec3(sun ? light.direction : light.position - scene.origin);
-    push.eta = static_cast<float>(plan.from_below ? n : 1 / n);
-    push.spot_axis = glm::vec3(light.direction);
-    push.cos_outer = -2;
-    push.cos_inner = 1;
-    if (light.type == scene::LightType::spot) {
-        push.cos_outer = static_cast<float>(std::cos(light.cone_angle));
-        push.cos_inner = static_cast<float>(std::cos(std::max(0.0, light.cone_angle - light.falloff_angle)));
-    }
-    push.axis = glm::vec3(mesh.axis);
-    push.left = push.top = push.columns = push.rows = 0;
-    push.sun = sun ? 1 : 0;
-    push.reflection = mesh.event == Event::reflection ? 1 : 0;
-    push.emitter = scene::is_area(light) ? 1 : 0;
-    return push;
-}
-
 /// Whether rays are traced from all texels.
 bool whole(const MapPlan& plan) {
     return plan.parts.size() == 1 && plan.parts[0].columns == plan.columns && plan.parts[0].rows == plan.rows;
 }
 
-BeamMesh empty_mesh(const scene::FrameScene& scene, const MapPlan& plan, int light_index, Event event) {
+/// In the memory of one that nobody needs any more.
+BeamMesh empty_mesh(const scene::FrameScene& scene, const MapPlan& plan, int light_index, Event event,
+                    BeamMesh mesh) {
     const scene::Light& light = scene.state.lights[static_cast<std::size_t>(light_index)];
-    BeamMesh mesh;
     mesh.name = chain_name(scene.state, {light_index, event});
     mesh.light = light_index;
     mesh.event = event;
     mesh.cascade = plan.cascade;
     mesh.from_below = plan.from_below;
-    if (!plan.lit) return mesh;
+    mesh.lost_flux = 0;
+    mesh.rows = mesh.columns = 0;
+    mesh.weight.clear();
+    mesh.tint.clear();
+    if (!plan.lit) {
+        for (auto* vectors : {&mesh.origin, &mesh.slope}) vectors->clear();
+        for (auto* numbers : {&mesh.start, &mesh.flux}) numbers->clear();
+        mesh.valid.clear();
+        return mesh;
+    }
     mesh.axis = mesh_axis(light, plan.from_below, event, scene.state.water->refractive_index);
     mesh.rows = plan.rows;
     mesh.columns = plan.columns;
     mesh.texel = glm::mat2(plan.texel);
     const std::size_t vertices = static_cast<std::size_t>(plan.rows) * static_cast<std::size_t>(plan.columns);
-    resize_large(mesh.origin, vertices);
-    resize_large(mesh.slope, vertices);
-    resize_large(mesh.start, vertices);
-    resize_large(mesh.flux, vertices);
-    resize_large(mesh.valid, vertices);
-    if (plan.weighted()) resize_large(mesh.weight, vertices);
+    renew_large(mesh.origin, vertices);
+    renew_large(mesh.slope, vertices);
+    renew_large(mesh.start, vertices);
+    renew_large(mesh.flux, vertices);
+    renew_large(mesh.valid, vertices);
+    if (plan.weighted()) renew_large(mesh.weight, vertices);
     if (whole(plan)) return mesh;  // all of it will be written
     std::fill(mesh.origin.begin(), mesh.origin.end(), glm::vec3(0));
     std::fill(mesh.slope.begin(), mesh.slope.end(), glm::vec3(mesh.axis));  // finite where no ray is traced
@@ -158,58 +131,98 @@ private:
     SpotPicture picture_;
 };
 
-/// Takes the rays of the texels in `box`, row by row, into the mesh; returns the number of those that carry
-/// light.
-std::size_t take_rays(std::span<const BeamRay> rays, const MapPlan& plan, const TexelBox& box,
-                      const MapTint& tint, BeamMesh& mesh) {
+/// Traces the rays of a map's texels into a mesh.
+class MeshTracer {
+public:
+    MeshTracer(const scene::FrameScene& scene, const MapPlan& plan, BeamMesh& mesh)
+        : plan_(plan), tint_(scene, plan, mesh.light), tracer_(scene, plan, mesh), mesh_(mesh) {
+        if (tint_.exists()) mesh.tint.assign(mesh.vertices(), glm::vec3(0));
+    }
+
+    /// Of the texels in `box`, row by row; returns the number of rays that carry light.
+    std::size_t trace(std::span<const glm::vec4> texels, const TexelBox& box) const {
+        const std::size_t columns = static_cast<std::size_t>(box.columns),
+                          rows = static_cast<std::size_t>(box.rows);
+        const std::size_t tile = std::max<std::size_t>(1, (1 << 14) / columns);  // rows
+        std::vector<Sum> tiles(rows / tile + 1);
+        parallel_for(rows, tile, [&](std::size_t begin, std::size_t end) {
+            TexelRays rays;
+            Sum sum;
+            for (std::size_t row = begin; row < end; ++row)
+                for (std::size_t left = 0; left < columns; left += TexelRays::kMost) {
+                    const std::size_t count = std::min(TexelRays::kMost, columns - left);
+                    const int map_column = box.first_column + static_cast<int>(left),
+                              map_row = box.first_row + static_cast<int>(row);
+                    tracer_.trace(texels.subspan(row * columns + left, count), map_column, map_row, rays);
+                    if (plan_.weighted()) weigh(rays, count, map_column, map_row);
+                    if (tint_.exists()) tint(rays, count, vertex(map_column, map_row));
+                    take(rays, count, vertex(map_column, map_row), sum);
+                }
+            tiles[begin / tile] = sum;
+        });
+        std::size_t photons = 0;
+        for (const Sum& sum : tiles) {
+            mesh_.lost_flux += sum.lost;
+            photons += sum.photons;
+        }
+        return photons;
+    }
+
+private:
     struct Sum {
         double lost = 0;
         std::size_t photons = 0;
     };
-    const std::size_t columns = static_cast<std::size_t>(box.columns),
-                      rows = static_cast<std::size_t>(box.rows);
-    const std::size_t tile = std::max<std::size_t>(1, (1 << 14) / columns);  // rows
-    std::vector<Sum> tiles(rows / tile + 1);
-    parallel_for(rows, tile, [&](std::size_t begin, std::size_t end) {
-        Sum sum;
-        for (std::size_t i = begin * columns; i < end * columns;) {
-            const int row = box.first_row + static_cast<int>(i / columns);
-            std::size_t vertex = static_cast<std::size_t>(row) * static_cast<std::size_t>(plan.columns) +
-                                 static_cast<std::size_t>(box.first_column);
-            for (int column = box.first_column; column < box.first_column + box.columns;
-                 ++column, ++vertex, ++i) {
-                const BeamRay& ray = rays[i];
-                mesh.origin[vertex] = ray.origin;
-                mesh.slope[vertex] = ray.slope;
-                mesh.start[vertex] = ray.start;
-                mesh.flux[vertex] = std::max(0.0f, ray.flux);
-                mesh.valid[vertex] = ray.flux >= 0 ? 1 : 0;
-                double lost = static_cast<double>(ray.lost);
-                if (plan.weighted()) {
-                    const double share = plan.share(column, row);
-                    mesh.weight[vertex] = static_cast<float>(share);
-                    mesh.flux[vertex] *= mesh.weight[vertex];
-                    lost *= share;
-                }
-                if (tint.exists() && (ray.flux > 0 || ray.lost > 0)) {
-                    const glm::vec3 let_through = tint.of(vertex);
-                    mesh.tint[vertex] = let_through;
-                    if (let_through == glm::vec3(0)) mesh.flux[vertex] = 0;
-                    lost *= tint.share_of(let_through);
-                }
-                sum.lost += lost;
-                sum.photons += mesh.flux[vertex] > 0 ? 1 : 0;
-            }
-        }
-        tiles[begin / tile] = sum;
-    });
-    std::size_t photons = 0;
-    for (const Sum& sum : tiles) {
-        mesh.lost_flux += sum.lost;
-        photons += sum.photons;
+
+    std::size_t vertex(int column, int row) const {
+        return static_cast<std::size_t>(row) * static_cast<std::size_t>(plan_.columns) +
+               static_cast<std::size_t>(column);
     }
-    return photons;
-}
+
+    void weigh(TexelRays& rays, std::size_t count, int column, int row) const {
+        const std::size_t first = vertex(column, row);
+        for (std::size_t k = 0; k < count; ++k) {
+            const auto share = static_cast<float>(plan_.share(column + static_cast<int>(k), row));
+            mesh_.weight[first + k] = share;
+            if (rays.flux[k] > 0) rays.flux[k] *= share;
+            rays.lost[k] *= share;
+        }
+    }
+
+    void tint(TexelRays& rays, std::size_t count, std::size_t first) const {
+        for (std::size_t k = 0; k < count; ++k) {
+            if (!(rays.flux[k] > 0 || rays.lost[k] > 0)) continue;
+            const glm::vec3 let_through = tint_.of(first + k);
+            mesh_.tint[first + k] = let_through;
+            if (let_through == glm::vec3(0)) rays.flux[k] = std::min(rays.flux[k], 0.0f);
+            rays.lost[k] *= static_cast<float>(tint_.share_of(let_through));
+        }
+    }
+
+    void take(const TexelRays& rays, std::size_t count, std::size_t first, Sum& sum) const {
+        for (std::size_t k = 0; k < count; ++k) {
+            mesh_.origin[first + k] = rays.origin.at(k);
+            mesh_.slope[first + k] = rays.slope.at(k);
+        }
+        std::copy_n(rays.start.begin(), count, mesh_.start.begin() + static_cast<std::ptrdiff_t>(first));
+        int photons = 0;
+        float most_lost = 0;
+        for (std::size_t k = 0; k < count; ++k) {
+            mesh_.flux[first + k] = std::max(0.0f, rays.flux[k]);
+            mesh_.valid[first + k] = rays.flux[k] >= 0 ? 1 : 0;
+            photons += rays.flux[k] > 0 ? 1 : 0;
+            most_lost = std::max(most_lost, rays.lost[k]);
+        }
+        sum.photons += static_cast<std::size_t>(photons);
+        if (most_lost > 0)
+            for (std::size_t k = 0; k < count; ++k) sum.lost += static_cast<double>(rays.lost[k]);
+    }
+
+    const MapPlan& plan_;
+    MapTint tint_;
+    TexelTracer tracer_;
+    BeamMesh& mesh_;
+};
 
 /// The water on the device, for all maps of a light.
 struct WaterBuffers {
@@ -249,17 +262,18 @@ struct WaterBuffers {
 
 struct CausticMapper::State {
     explicit State(gpu::Device& d)
-        : device(d),
-          raster(d, "caustic map", light_caustic_map_vert, light_caustic_map_frag, map_raster()),
-          compute(d, "beam rays", light_beam_rays_comp,
-                  {.storage_buffers = 1, .sampled_images = 1, .push_bytes = sizeof(BeamRaysPush)}) {}
+        : device(d), raster(d, "caustic map", light_caustic_map_vert, light_caustic_map_frag, map_raster()) {}
 
     /// The light-view raster of one map. Maps of several cascades follow one after another, so that only one
     /// takes memory; layers of one image would all.
-    gpu::Image draw_map(const scene::FrameScene& scene, const MapPlan& plan, WaterBuffers& water,
-                        FrameStats& stats) {
-        gpu::Image map(device, "caustic map", plan.columns, plan.rows, gpu::Format::rgba32f);
-        const gpu::Image depth(device, "caustic map depth", plan.columns, plan.rows, gpu::Format::depth32f);
+    void draw_map(const scene::FrameScene& scene, const MapPlan& plan, WaterBuffers& water,
+                  FrameStats& stats) {
+        if (!map || map->width() != plan.columns || map->height() != plan.rows) {
+            map.reset();
+            depth.reset();
+            map.emplace(device, "caustic map", plan.columns, plan.rows, gpu::Format::rgba32f);
+            depth.emplace(device, "caustic map depth", plan.columns, plan.rows, gpu::Format::depth32f);
+        }
         {
             const ScopedPass pass(stats, "caustic map");
             water.take_triangles(plan);
@@ -268,60 +282,53 @@ struct CausticMapper::State {
             .buffers = {&water.positions, &water.normals}, .images = {}, .writes = {}, .push = {}};
         bindings.set_push(map_push(plan, scene.origin));
         gpu::PassList passes(device);
-        passes.draw("caustic map", raster, std::move(bindings), {.colors = {&map}, .depth = &depth},
+        passes.draw("caustic map", raster, std::move(bindings), {.colors = {&*map}, .depth = &*depth},
                     {.vertices = 3 * water.triangles, .index_buffer = &water.indices});
         passes.run(stats);
-        return map;
     }
 
-    /// Fills the mesh from the parts of the map, each in batches of rows that the processor's cache holds.
-    void trace_mesh(const scene::FrameScene& scene, const MapPlan& plan, const gpu::Image& map,
-                    BeamMesh& mesh, FrameStats& stats) {
-        BeamRaysPush push =
-            rays_push(scene, plan, scene.state.lights[static_cast<std::size_t>(mesh.light)], mesh);
-        const MapTint tint(scene, plan, mesh.light);
-        if (tint.exists()) mesh.tint.resize(mesh.vertices(), glm::vec3(0));
+    /// Fills the meshes from the parts of the map, each in batches of rows that the processor's cache holds.
+    void trace_meshes(const scene::FrameScene& scene, const MapPlan& plan, FrameStats& stats) {
+        std::vector<MeshTracer> tracers;
+        for (BeamMesh& mesh : meshes) tracers.emplace_back(scene, plan, mesh);
         std::size_t photons = 0;
         for (const TexelBox& part : plan.parts) {
             const std::size_t columns = static_cast<std::size_t>(part.columns);
-            const std::size_t most = std::max<std::size_t>(1, kRayBatchBytes / (columns * sizeof(BeamRay)));
+            const std::size_t most =
+                std::max<std::size_t>(1, kTexelBatchBytes / (columns * sizeof(glm::vec4)));
             const int batch = static_cast<int>(std::min(static_cast<std::size_t>(part.rows), most));
-            gpu::Buffer& buffer = ray_buffer(static_cast<std::size_t>(batch) * columns * sizeof(BeamRay));
+            gpu::Buffer& buffer = texel_buffer(static_cast<std::size_t>(batch) * columns * sizeof(glm::vec4));
             TexelBox box = part;
             for (int row = 0; row < part.rows; row += batch) {
                 box.first_row = part.first_row + row;
                 box.rows = std::min(batch, part.rows - row);
-                push.left = static_cast<std::uint32_t>(box.first_column);
-                push.top = static_cast<std::uint32_t>(box.first_row);
-                push.columns = static_cast<std::uint32_t>(box.columns);
-                push.rows = static_cast<std::uint32_t>(box.rows);
-                gpu::Bindings bindings{
-                    .buffers = {&buffer}, .images = {&map}, .writes = {&buffer}, .push = {}};
-                bindings.set_push(push);
                 gpu::PassList passes(device);
-                passes.compute("refraction", compute, std::move(bindings),
-                               {(push.columns + kGroupColumns - 1) / kGroupColumns,
-                                (push.rows + kGroupRows - 1) / kGroupRows, 1});
+                passes.copy("refraction", *map, {box.first_column, box.first_row, box.columns, box.rows},
+                            buffer);
                 passes.run(stats);
                 const ScopedPass pass(stats, "refraction");
-                photons +=
-                    take_rays(buffer.as<const BeamRay>().first(push.rows * columns), plan, box, tint, mesh);
+                for (const MeshTracer& tracer : tracers)
+                    photons += tracer.trace(buffer.as<const glm::vec4>(), box);
             }
         }
-        if (plan.capped) mesh.lost_flux += flux_outside_map(scene, plan, mesh.light, mesh.event);
+        for (BeamMesh& mesh : meshes)
+            if (plan.capped) mesh.lost_flux += flux_outside_map(scene, plan, mesh.light, mesh.event);
         stats.count("photons", static_cast<double>(photons));
     }
 
-    /// One for all batches, of at least that size: fresh memory costs more than all that is done with a ray.
-    gpu::Buffer& ray_buffer(std::size_t bytes) {
-        if (!rays || rays->bytes() < bytes) rays.emplace(device, "beam rays", bytes);
-        return *rays;
+    /// One for all batches, of at least that size.
+    gpu::Buffer& texel_buffer(std::size_t bytes) {
+        if (!texels || texels->bytes() < bytes) texels.emplace(device, "texels", bytes);
+        return *texels;
     }
 
     gpu::Device& device;
     gpu::RasterPipeline raster;
-    gpu::ComputePipeline compute;
-    std::optional<gpu::Buffer> rays;
+    // Kept from map to map and from frame to frame: to touch fresh memory costs more than most of what is
+    // done with it.
+    std::optional<gpu::Image> map, depth;
+    std::optional<gpu::Buffer> texels;
+    std::vector<BeamMesh> meshes;
 };
 
 CausticMapper::CausticMapper(gpu::Device& device) : state_(std::make_unique<State>(device)) {}
@@ -350,17 +357,17 @@ void CausticMapper::trace_each(const scene::FrameScene& scene, const rays::RaySc
         const ScopedPass pass(stats, "caustic map");
         water.emplace(state_->device, scene, plans.size() == 1);
     }
+    std::vector<BeamMesh>& meshes = state_->meshes;
+    meshes.resize(events.size());
     for (const MapPlan& plan : plans) {
-        std::vector<BeamMesh> meshes;
-        {
-            std::optional<gpu::Image> map;
-            if (plan.lit) map = state_->draw_map(scene, plan, *water, stats);
-            for (const Event event : events) {
-                BeamMesh& mesh = meshes.emplace_back(empty_mesh(scene, plan, light_index, event));
-                if (map) state_->trace_mesh(scene, plan, *map, mesh, stats);
-                stats.count("lost flux, W", mesh.lost_flux * (color.r + color.g + color.b) / 3);
-            }
+        for (std::size_t i = 0; i < events.size(); ++i)
+            meshes[i] = empty_mesh(scene, plan, light_index, events[i], std::move(meshes[i]));
+        if (plan.lit) {
+            state_->draw_map(scene, plan, *water, stats);
+            state_->trace_meshes(scene, plan, stats);
         }
+        for (const BeamMesh& mesh : meshes)
+            stats.count("lost flux, W", mesh.lost_flux * (color.r + color.g + color.b) / 3);
         if (plan.lit && may_shadow(scene, rays, light)) {
             const ScopedPass pass(stats, "light shadows");
             stats.count("shadowed photons", static_cast<double>(shadow_meshes(meshes, scene, rays)));

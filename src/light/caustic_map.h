@@ -14,11 +14,12 @@
 
 namespace dapple::light {
 
-/// Bytes of the rays that are on the device at once, but for wider maps, of which it is a row.
-inline constexpr std::size_t kRayBatchBytes = std::size_t{8} << 20;
+/// Bytes of the map's texels that are brought back from the device at once, but for wider maps, of which it
+/// is a row.
+inline constexpr std::size_t kTexelBatchBytes = std::size_t{4} << 20;
 
 /// The light-view raster of the water (Kougianos & Moustakas 2021, section 3: caustic map) and the beam
-/// meshes made from it on the device. Map coordinates are the rest plane y = 0, onto which the light projects
+/// meshes made from it. Map coordinates are the rest plane y = 0, onto which the light projects
 /// the water (in parallel for a sun, centrally for point and spot lights), so that texels stay in place while
 /// waves and light move and flat water fills whole texels exactly.
 class CausticMapper {
@@ -32,7 +33,7 @@ public:
                                 const std::vector<Event>& events,
                                 const scene::CausticMapParameters& parameters, FrameStats& stats);
     /// The same, handed over a cascade at a time, in the same order: no more than one map and its meshes take
-    /// memory, and of these two the map is gone when `take` is called.
+    /// memory. It is used again for the next ones, in the next frame too.
     void trace_each(const scene::FrameScene& scene, const rays::RayScene& rays, int light,
                     const std::vector<Event>& events, const scene::CausticMapParameters& parameters,
                     FrameStats& stats, const std::function<void(std::span<BeamMesh>)>& take);

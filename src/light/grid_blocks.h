@@ -20,16 +20,29 @@ public:
         return {static_cast<std::ptrdiff_t>(top * columns_), static_cast<std::ptrdiff_t>(bottom * columns_)};
     }
 
-    /// `visit(index)` for each vertex of the band.
+    /// A packet's vertices: up to four of a row, and as many below them.
+    struct Group {
+        std::size_t first;  ///< index of the upper left one
+        std::size_t columns, rows;
+        bool whole() const { return columns == 4 && rows == 2; }
+    };
+    /// `visit(group)` for each group of the band.
     template <class Visit>
-    void visit_band(std::size_t band, Visit&& visit) const {
+    void visit_groups(std::size_t band, Visit&& visit) const {
         const std::size_t top = band * kSide, bottom = std::min(rows_, top + kSide);
         for (std::size_t left = 0; left < columns_; left += kSide)
             for (std::size_t row = top; row < bottom; row += 2)
                 for (std::size_t column = left; column < std::min(columns_, left + kSide); column += 4)
-                    for (std::size_t r = row; r < std::min(bottom, row + 2); ++r)
-                        for (std::size_t c = column; c < std::min(columns_, column + 4); ++c)
-                            visit(r * columns_ + c);
+                    visit(Group{row * columns_ + column, std::min<std::size_t>(4, columns_ - column),
+                                std::min<std::size_t>(2, bottom - row)});
+    }
+    /// `visit(index)` for each vertex of the band.
+    template <class Visit>
+    void visit_band(std::size_t band, Visit&& visit) const {
+        visit_groups(band, [&](const Group& group) {
+            for (std::size_t r = 0; r < group.rows; ++r)
+                for (std::size_t c = 0; c < group.columns; ++c) visit(group.first + r * columns_ + c);
+        });
     }
 
 private:

@@ -19,5 +19,7 @@ struct Landings {
 /// objects, so they need no offset: an object that pierces the surface is met from its first point under
 /// (over) the water.
 Landings land(const BeamMesh& mesh, const rays::RayScene& rays);
+/// The same, in the memory of others.
+void land(const BeamMesh& mesh, const rays::RayScene& rays, Landings& landings);
 
 }  // namespace dapple::light

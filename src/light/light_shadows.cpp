@@ -1,13 +1,12 @@
 #include "light/light_shadows.h"
 
 #include <algorithm>
-#include <array>
 #include <numeric>
 #include <vector>
 
 #include "base/parallel.h"
-#include "light/grid_blocks.h"
-#include "light/ray_batch.h"
+#include "light/ray_group.h"
+#include "rays/ray_lanes.h"
 
 namespace dapple::light {
 
@@ -38,35 +37,37 @@ std::size_t shadow_meshes(std::span<BeamMesh> meshes, const scene::FrameScene& s
                           const rays::RayScene& rays) {
     const BeamMesh& first = meshes.front();
     const scene::Light& light = scene.state.lights[static_cast<std::size_t>(first.light)];
-    const GridBlocks blocks(first.rows, first.columns);
-    std::vector<std::size_t> shadowed(blocks.bands(), 0);
-    parallel_for(blocks.bands(), 1, [&](std::size_t begin, std::size_t end) {
-        RayBatch batch;
-        std::array<std::uint8_t, RayBatch::kMost> occluded;
-        const auto trace = [&](std::size_t& count) {
-            const std::span<const std::size_t> vertices = batch.vertices();
-            rays.occluded_by_objects(batch.rays(), std::span(occluded).first(vertices.size()));
-            for (std::size_t k = 0; k < vertices.size(); ++k) {
-                if (!occluded[k]) continue;
-                bool carried = false;
-                for (BeamMesh& mesh : meshes) {
-                    carried = carried || mesh.flux[vertices[k]] > 0;
-                    mesh.flux[vertices[k]] = 0;
-                    if (mesh.valid[vertices[k]] != 0) mesh.valid[vertices[k]] = BeamMesh::kShadowed;
-                }
-                count += carried ? 1 : 0;
+    const rays::Ray from_origin = ray_to_light(scene, light, glm::vec3(0));
+    const bool sun = light.type == scene::LightType::sun;
+    const auto shadow = [&](const RayGroup& group) {
+        rays::RayLanes eight;
+        for (const BeamMesh& mesh : meshes) eight.on |= group.lit(mesh);
+        if (!lanes::any(eight.on)) return 0;
+        eight.origin = group.start(first);
+        eight.direction = lanes::all(from_origin.direction);
+        if (!sun) eight.direction = eight.direction - eight.origin;
+        eight.far = lanes::splat(from_origin.far);
+        const lanes::Flags occluded = rays.occluded_by_objects(eight);
+        int count = 0;
+        for (unsigned left = lanes::bits(occluded); left != 0; left &= left - 1) {
+            const std::size_t i = group.vertex(static_cast<std::size_t>(__builtin_ctz(left)));
+            bool carried = false;
+            for (BeamMesh& mesh : meshes) {
+                carried = carried || mesh.flux[i] > 0;
+                mesh.flux[i] = 0;
+                if (mesh.valid[i] != 0) mesh.valid[i] = BeamMesh::kShadowed;
             }
-            batch.clear();
-        };
-        for (std::size_t band = begin; band < end; ++band) {
-            blocks.visit_band(band, [&](std::size_t i) {
-                if (std::none_of(meshes.begin(), meshes.end(), [i](const BeamMesh& m) { return m.lit(i); }))
-                    return;
-                batch.add(i) = ray_to_light(scene, light, first.origin[i] + first.start[i] * first.slope[i]);
-                if (batch.full()) trace(shadowed[band]);
-            });
-            trace(shadowed[band]);
+            count += carried ? 1 : 0;
         }
+        return count;
+    };
+    const GridBlocks blocks(first.rows, first.columns);
+    std::vector<int> shadowed(blocks.bands(), 0);
+    parallel_for(blocks.bands(), 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t band = begin; band < end; ++band)
+            blocks.visit_groups(band, [&](const GridBlocks::Group& group) {
+                shadowed[band] += shadow(RayGroup(group, first));
+            });
     });
     return std::accumulate(shadowed.begin(), shadowed.end(), std::size_t{0});
 }

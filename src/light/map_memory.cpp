@@ -63,10 +63,9 @@ MapMemory foresee_maps(const scene::FrameState& state) {
     }
     MapMemory memory;
     memory.events = events_seen(state);
-    const double meshes = memory.events * vertex;
-    memory.tracing =
-        water + static_cast<double>(kRayBatchBytes) + texels.largest * (kColor + std::max(kDepth, meshes));
-    memory.meshes = water + texels.largest * meshes;
+    memory.kept =
+        static_cast<double>(kTexelBatchBytes) + texels.largest * (kColor + kDepth + memory.events * vertex);
+    memory.tracing = water + memory.kept;
     memory.largest = texels.largest;
     memory.photons = texels.photons * memory.events * static_cast<double>(state.lights.size());
     return memory;

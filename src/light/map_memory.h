@@ -7,10 +7,10 @@ namespace dapple::light {
 /// for low suns: at most four times as many texels in all. In double, since maps may be asked for of any
 /// size.
 struct MapMemory {
-    /// Bytes held at once by CausticMapper::trace_each while a map is drawn and its rays are traced.
+    /// Bytes of what CausticMapper::trace_each holds while `take` is called, and before: a map, its meshes,
+    /// and the water on the device.
     double tracing = 0;
-    /// Bytes of what it holds while `take` is called: the meshes of one map, and the water on the device.
-    double meshes = 0;
+    double kept = 0;     ///< bytes of what it holds from then on
     double largest = 0;  ///< vertices of the largest of these meshes
     double photons = 0;  ///< of all lights' maps: at most so many carry light
     int events = 1;      ///< meshes a map

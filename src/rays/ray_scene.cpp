@@ -15,6 +15,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/transpose.h"
+#include "rays/ray_lanes.h"
 #include "rays/shape_mesh.h"
 #include "rays/sphere.h"
 #include "rays/water_grid.h"
@@ -74,32 +75,39 @@ Lanes<float> not_tiny(Lanes<float> component) {
     return lanes::magnitude(component) < 1e-17f ? Lanes<float>{} : component;
 }
 
-/// Lanes of one packet; those past the end of the rays, and rays that mean nothing, are switched off.
+/// Up to eight rays as lanes; those past the end of the rays are off.
+RayLanes lanes_of(std::span<const Ray> rays) {
+    std::array<Lanes<float>, kPacket> rows;
+    static const Ray kNone{glm::vec3(0), 0, glm::vec3(0), 0};
+    for (std::size_t i = 0; i < kPacket; ++i)
+        rows[i] = std::bit_cast<Lanes<float>>(i < rays.size() ? rays[i] : kNone);
+    lanes::transpose(rows);
+    const auto& [x, y, z, near, dx, dy, dz, far] = rows;
+    return {{x, y, z}, {dx, dy, dz}, near, far, lanes::first_of(rays.size())};
+}
+
+/// One packet; rays that mean nothing are switched off too.
 struct Packet {
     alignas(32) int valid[kPacket];
 
-    Packet(std::span<const Ray> rays, RTCRay8& packet) {
-        std::array<Lanes<float>, kPacket> rows;
-        static const Ray kNone{glm::vec3(0), 0, glm::vec3(0), 0};  // without a direction
-        for (std::size_t i = 0; i < kPacket; ++i)
-            rows[i] = std::bit_cast<Lanes<float>>(i < rays.size() ? rays[i] : kNone);
-        lanes::transpose(rows);
-        const auto& [x, y, z, near, dx, dy, dz, far] = rows;
+    Packet(const RayLanes& rays, RTCRay8& packet) {
+        const auto& [origin, direction, near, far, wanted] = rays;
         // As `traceable`.
-        const Lanes<float> zero =
-            x * 0.0f + y * 0.0f + z * 0.0f + dx * 0.0f + dy * 0.0f + dz * 0.0f + near * 0.0f;
-        const Mask<float> on = (zero == 0.0f) & (near <= far) & ((dx != 0.0f) | (dy != 0.0f) | (dz != 0.0f));
+        const Lanes<float> zero = origin.x * 0.0f + origin.y * 0.0f + origin.z * 0.0f + direction.x * 0.0f +
+                                  direction.y * 0.0f + direction.z * 0.0f + near * 0.0f;
+        const Mask<float> on = wanted & (zero == 0.0f) & (near <= far) &
+                               ((direction.x != 0.0f) | (direction.y != 0.0f) | (direction.z != 0.0f));
         std::memcpy(valid, &on, sizeof valid);
         const auto store = [&on](float* to, Lanes<float> value, float off) {
             const Lanes<float> kept = on ? value : lanes::splat(off);
             std::memcpy(to, &kept, sizeof kept);
         };
-        store(packet.org_x, x, 0);
-        store(packet.org_y, y, 0);
-        store(packet.org_z, z, 0);
-        store(packet.dir_x, not_tiny(dx), 0);
-        store(packet.dir_y, not_tiny(dy), 1);
-        store(packet.dir_z, not_tiny(dz), 0);
+        store(packet.org_x, origin.x, 0);
+        store(packet.org_y, origin.y, 0);
+        store(packet.org_z, origin.z, 0);
+        store(packet.dir_x, not_tiny(direction.x), 0);
+        store(packet.dir_y, not_tiny(direction.y), 1);
+        store(packet.dir_z, not_tiny(direction.z), 0);
         store(packet.tnear, near, 0);
         store(packet.tfar, far, 0);
         for (std::size_t i = 0; i < kPacket; ++i) {
@@ -111,6 +119,14 @@ struct Packet {
     }
 };
 
+template <class Number>
+Lanes<float> load(const Number* eight) {
+    static_assert(sizeof(Number) == sizeof(float));
+    Lanes<float> value;
+    std::memcpy(&value, eight, sizeof value);
+    return value;
+}
+
 RTCIntersectContext coherent_context() {
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
@@ -119,11 +135,6 @@ RTCIntersectContext coherent_context() {
 }
 
 void take(const RTCRayHit8& packet, std::span<Hit> hits) {
-    const auto load = [](const auto* eight) {
-        Lanes<float> value;
-        std::memcpy(&value, eight, sizeof value);
-        return value;
-    };
     const Lanes<float> object = load(packet.hit.geomID);
     const Mask<float> hit = reinterpret_cast<Mask<float>>(object) != -1;          // RTC_INVALID_GEOMETRY_ID
     const Lanes<float> none = reinterpret_cast<Lanes<float>>(Mask<float>{} - 1);  // kNoHit
@@ -141,16 +152,21 @@ void take(const RTCRayHit8& packet, std::span<Hit> hits) {
     for (std::size_t i = 0; i < hits.size(); ++i) hits[i] = std::bit_cast<Hit>(rows[i]);
 }
 
-void intersect(RTCScene scene, std::span<const Ray> rays, std::span<Hit> hits) {
+/// As Embree leaves them.
+RTCRayHit8 intersect(RTCScene scene, const RayLanes& rays) {
     RTCIntersectContext context = coherent_context();
+    RTCRayHit8 packet;
+    const Packet lanes(rays, packet.ray);
+    std::fill_n(packet.hit.geomID, kPacket, RTC_INVALID_GEOMETRY_ID);
+    std::fill_n(packet.hit.instID[0], kPacket, RTC_INVALID_GEOMETRY_ID);
+    rtcIntersect8(lanes.valid, scene, &context, &packet);
+    return packet;
+}
+
+void intersect(RTCScene scene, std::span<const Ray> rays, std::span<Hit> hits) {
     for (std::size_t first = 0; first < rays.size(); first += kPacket) {
         const std::size_t count = std::min(kPacket, rays.size() - first);
-        RTCRayHit8 packet;
-        const Packet lanes(rays.subspan(first, count), packet.ray);
-        std::fill_n(packet.hit.geomID, kPacket, RTC_INVALID_GEOMETRY_ID);
-        std::fill_n(packet.hit.instID[0], kPacket, RTC_INVALID_GEOMETRY_ID);
-        rtcIntersect8(lanes.valid, scene, &context, &packet);
-        take(packet, hits.subspan(first, count));
+        take(intersect(scene, lanes_of(rays.subspan(first, count))), hits.subspan(first, count));
     }
 }
 
@@ -349,16 +365,37 @@ void RayScene::intersect_water(std::span<const Ray> rays, std::span<Hit> hits) c
 void RayScene::occluded_by_objects(std::span<const Ray> rays, std::span<std::uint8_t> occluded) const {
     std::fill_n(occluded.begin(), rays.size(), std::uint8_t{0});
     if (!state_->has_objects) return;
-    RTCIntersectContext context = coherent_context();
     for (std::size_t first = 0; first < rays.size(); first += kPacket) {
         const std::size_t count = std::min(kPacket, rays.size() - first);
-        RTCRay8 packet;
-        const Packet lanes(rays.subspan(first, count), packet);
-        rtcOccluded8(lanes.valid, state_->objects.get(), &context, &packet);
-        for (std::size_t i = 0; i < count; ++i) {
-            occluded[first + i] = lanes.valid[i] != 0 && packet.tfar[i] < 0;
-        }
+        const Mask<float> hidden = occluded_by_objects(lanes_of(rays.subspan(first, count)));
+        for (std::size_t i = 0; i < count; ++i) occluded[first + i] = hidden[i] != 0;
     }
+}
+
+void RayScene::intersect_objects(const RayLanes& rays, HitLanes& hits) const {
+    hits = {};
+    if (!state_->has_objects) return;
+    const RTCRayHit8 packet = intersect(state_->objects.get(), rays);
+    hits.hit = reinterpret_cast<Mask<float>>(load(packet.hit.geomID)) != -1;  // RTC_INVALID_GEOMETRY_ID
+    hits.distance = hits.hit ? load(packet.ray.tfar) : hits.distance;
+    hits.normal =
+        choose(hits.hit, {load(packet.hit.Ng_x), load(packet.hit.Ng_y), load(packet.hit.Ng_z)}, hits.normal);
+    if (!state_->any_mirrored) return;
+    for (unsigned left = lanes::bits(hits.hit); left != 0; left &= left - 1) {
+        const auto k = static_cast<std::size_t>(__builtin_ctz(left));
+        if (state_->mirrored[packet.hit.geomID[k]]) set_lane(hits.normal, k, -lane(hits.normal, k));
+    }
+}
+
+lanes::Mask<float> RayScene::occluded_by_objects(const RayLanes& rays) const {
+    if (!state_->has_objects) return Mask<float>{};
+    RTCIntersectContext context = coherent_context();
+    RTCRay8 packet;
+    const Packet lanes(rays, packet);
+    rtcOccluded8(lanes.valid, state_->objects.get(), &context, &packet);
+    Mask<float> valid;
+    std::memcpy(&valid, lanes.valid, sizeof valid);
+    return valid & (load(packet.tfar) < 0.0f);
 }
 
 bool RayScene::has_objects() const {

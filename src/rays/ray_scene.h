@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 
+#include "base/lanes.h"
 #include "scene/frame_scene.h"
 
 namespace dapple::rays {
@@ -32,6 +33,9 @@ struct Hit {
     glm::vec3 normal{0, 1, 0};  ///< geometric, not normalised, outward
 };
 
+struct RayLanes;
+struct HitLanes;
+
 /// Embree's view of one frame: the objects and the water, apart. The only user of Embree; fixed instruction
 /// set (avx2), robust traversal. Thread-safe once built. Rays with a component that is not finite (but for an
 /// infinite `far`), without a direction or with near > far hit nothing.
@@ -54,6 +58,9 @@ public:
     void intersect_water(std::span<const Ray> rays, std::span<Hit> hits) const;
     /// 1 where an object lies between `near` and `far`.
     void occluded_by_objects(std::span<const Ray> rays, std::span<std::uint8_t> occluded) const;
+    // The same of eight that are lanes already (rays/ray_lanes.h).
+    void intersect_objects(const RayLanes& rays, HitLanes& hits) const;
+    lanes::Mask<float> occluded_by_objects(const RayLanes& rays) const;
 
     bool has_objects() const;
     /// Bounds of the objects, m, relative to the origin; empty scene: lower > upper.

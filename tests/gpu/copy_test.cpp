@@ -103,6 +103,27 @@ TEST(Images, ShadersFetchTexelsInRowsFromTheTop) {
     for (std::size_t i = 0; i < kPixels * 4; ++i) ASSERT_EQ(to.as<float>()[i], from.as<float>()[i]) << i;
 }
 
+TEST(Images, ARectangleIsCopiedTightly) {
+    Device& device = test::validated_device();
+    const Image image(device, "image", kWidth, kHeight, Format::rgba32f);
+    Buffer from(device, "from", kPixels * sizeof(glm::vec4));
+    std::iota(from.as<float>().begin(), from.as<float>().end(), -7.25f);
+    constexpr Texels kPart{2, 1, kWidth - 5, kHeight - 2};
+    Buffer to(device, "to", static_cast<std::size_t>(kPart.columns * kPart.rows) * sizeof(glm::vec4));
+    PassList passes(device);
+    FrameStats stats;
+    passes.copy("up", from, image);
+    passes.copy("part", image, kPart, to);
+    passes.run(stats);
+    for (int row = 0; row < kPart.rows; ++row)
+        for (int column = 0; column < kPart.columns; ++column)
+            ASSERT_EQ(to.as<glm::vec4>()[static_cast<std::size_t>(row * kPart.columns + column)],
+                      from.as<glm::vec4>()[static_cast<std::size_t>((kPart.top + row) * kWidth + kPart.left +
+                                                                    column)]);
+    for (const Texels& outside : {Texels{-1, 0, 4, 4}, Texels{0, 2, 4, kHeight - 1}, Texels{0, 0, 0, 4}})
+        EXPECT_THROW(passes.copy("part", image, outside, to), std::logic_error);
+}
+
 TEST(Images, SmallBuffersAndAbsurdSizesAreRefused) {
     Device& device = test::validated_device();
     const Image image(device, "image", kWidth, kHeight, Format::rgba32f);

@@ -291,10 +291,10 @@ TEST(Cascades, MemoryIsForeseenAndOnlyOneMapsAtOnce) {
                                   ASSERT_EQ(meshes.size(), 1u);
                                   EXPECT_EQ(meshes[0].cascade, static_cast<int>(taken++));
                                   EXPECT_LE(static_cast<double>(meshes[0].vertices()), foreseen.largest);
-                                  EXPECT_LE(bytes_of(meshes[0]), foreseen.meshes);
+                                  EXPECT_LE(bytes_of(meshes[0]), foreseen.kept);
                               });
             EXPECT_EQ(taken, static_cast<std::size_t>(cascades));
-            EXPECT_LE(foreseen.meshes, foreseen.tracing);
+            EXPECT_LE(foreseen.kept, foreseen.tracing);
             EXPECT_LE(stats.counted("photons"), foreseen.photons);
             EXPECT_LE(traced, texels.photons);
             // Exact but for the paper's frames, which are rounded.

@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <numeric>
 
 #include "gpu/validated_device.h"
+#include "light/landing.h"
 #include "light/map_plan.h"
 #include "light/water_grids.h"
 #include "optics/optics.h"
@@ -251,6 +253,53 @@ TEST(CausticMap, AnObjectShadowsTheWaterBehindIt) {
             ASSERT_EQ(mesh.flux[i] == 0, shadowed) << p.x << ' ' << p.z;
             ASSERT_EQ(mesh.valid[i], shadowed ? BeamMesh::kShadowed : 1);
         }
+}
+
+TEST(CausticMap, MapsOfAnySizeAreShadowedAndLandAsTheirRaysDoOneByOne) {
+    scene::FrameScene scene = test::water_scene({4, 4});
+    scene.state.lights = {test::sun(45, 0)};
+    scene::Object plate, floor;
+    plate.size = {1, 1, 1};
+    plate.transform.position = {0.5, 1, 0};
+    floor.size = {3, 1, 3};
+    floor.transform.position = {0, -2, 0};
+    scene.state.objects = {plate, floor};
+    test::add_water(scene, test::gentle_sea(), 60, 60);
+    const rays::RayScene rays(scene);
+    const auto hit = [&](glm::vec3 origin, glm::vec3 direction) {
+        const rays::Ray ray{origin, 0, direction};
+        rays::Hit found;
+        rays.intersect_objects({&ray, 1}, {&found, 1});
+        return found;
+    };
+    std::size_t shadowed = 0, landed = 0, missed = 0;
+    for (const int side : {1, 2, 3, 5, 8, 13, 70}) {
+        SCOPED_TRACE(side);
+        for (const BeamMesh& mesh : trace(scene, side)) {
+            const light::Landings landings = light::land(mesh, rays);
+            std::size_t count = 0;
+            for (std::size_t i = 0; i < mesh.vertices(); ++i) {
+                const glm::vec3 start = mesh.origin[i] + mesh.start[i] * mesh.slope[i];
+                const bool hidden =
+                    hit(start, -glm::vec3(scene.state.lights[0].direction)).primitive != rays::kNoHit;
+                if (mesh.valid[i] != 0) {
+                    ASSERT_EQ(mesh.valid[i] == BeamMesh::kShadowed, hidden);
+                    ASSERT_EQ(mesh.flux[i] == 0, hidden);
+                }
+                const rays::Hit lands = mesh.flux[i] > 0 ? hit(start, mesh.slope[i]) : rays::Hit{};
+                ASSERT_EQ(landings.depth[i],
+                          lands.primitive != rays::kNoHit ? mesh.start[i] + lands.distance : lands.distance);
+                ASSERT_EQ(landings.normal[i].y,
+                          lands.primitive != rays::kNoHit && mesh.slope[i].y > 0 ? -1 : 1);
+                count += lands.primitive != rays::kNoHit ? 1 : 0;
+                shadowed += mesh.valid[i] == BeamMesh::kShadowed ? 1 : 0;
+                missed += lands.primitive != rays::kNoHit ? 0 : 1;
+            }
+            ASSERT_EQ(landings.count, count);
+            landed += count;
+        }
+    }
+    EXPECT_GT(std::min({shadowed, landed, missed}), 100u);
 }
 
 }  // namespace

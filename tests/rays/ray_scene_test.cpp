@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -9,6 +10,7 @@
 
 #include "base/hash.h"
 #include "base/parallel.h"
+#include "rays/ray_lanes.h"
 #include "rays/water_meshes.h"
 #include "scene/transform.h"
 
@@ -290,6 +292,45 @@ TEST(RayScene, OcclusionLooksBetweenNearAndFarOnly) {
     std::vector<std::uint8_t> occluded(tests.size());
     rays.occluded_by_objects(tests, occluded);
     EXPECT_EQ(occluded, (std::vector<std::uint8_t>{1, 0, 1, 0, 0}));
+}
+
+TEST(RayScene, LanesHitWhatTheirRaysHitOneByOne) {
+    scene::FrameScene scene;
+    scene.state.objects.assign(2, make(scene::Shape::box));
+    scene.state.objects[1].transform.scale = {-1, 1, 1};
+    scene.state.objects[1].transform.position = {1.5, 0.3, 0};
+    const RayScene rays(scene);
+    constexpr std::size_t kLanes = lanes::kLanes<float>;
+    std::size_t hit = 0, missed = 0;
+    for (std::uint64_t packet = 0; packet < 200; ++packet) {
+        std::vector<Ray> tests(kLanes);
+        RayLanes eight;
+        for (std::size_t k = 0; k < kLanes; ++k) {
+            const auto number = [&](std::uint32_t dimension) {
+                return static_cast<float>(4 * uniform(packet * kLanes + k, dimension) - 2);
+            };
+            tests[k] = {glm::vec3(number(0), 3, number(1)), 0, glm::vec3(number(2), -3, number(3)), 1};
+            set_lane(eight.origin, k, tests[k].origin);
+            set_lane(eight.direction, k, tests[k].direction);
+            eight.far[k] = tests[k].far;
+            eight.on[k] = (packet + k) % 3 > 0 ? -1 : 0;
+        }
+        const std::vector<Hit> hits = object_hits(rays, tests);
+        std::vector<std::uint8_t> occluded(kLanes);
+        rays.occluded_by_objects(tests, occluded);
+        HitLanes found;
+        rays.intersect_objects(eight, found);
+        const lanes::Flags hidden = rays.occluded_by_objects(eight);
+        for (std::size_t k = 0; k < kLanes; ++k) {
+            const Hit expected = eight.on[k] != 0 ? hits[k] : Hit{};
+            ASSERT_EQ(found.hit[k] != 0, expected.primitive != kNoHit);
+            ASSERT_EQ(found.distance[k], expected.distance);
+            ASSERT_EQ(lane(found.normal, k), expected.normal);
+            ASSERT_EQ(hidden[k] != 0, eight.on[k] != 0 && occluded[k] != 0);
+            ++(found.hit[k] != 0 ? hit : missed);
+        }
+    }
+    EXPECT_GT(std::min(hit, missed), 100u);
 }
 
 TEST(RayScene, ScalesOfZeroAndBrokenVerticesAreLeftOut) {

@@ -19,6 +19,7 @@ struct CausticMesh::State {
     explicit State(gpu::Device& d) : device(&d), mapper(d), renderer(d) {}
     gpu::Device* device;
     light::CausticMapper mapper;
+    light::Landings landings;  // memory that is used again
     caustic_mesh::CellRenderer renderer;
 };
 
@@ -55,8 +56,8 @@ std::size_t CausticMesh::bytes(const scene::FrameState& state, std::size_t pixel
     const bool bounce = state.caustics.map.second_bounce;
     const double vertex =
         kLanding + (bounce ? mirrored_vertex_bytes(state) + sizeof(caustic_mesh::DiscImage) : 0);
-    const double begin = std::max(maps.tracing, maps.meshes + maps.largest * vertex + stretch * cell);
-    const double layers = static_cast<double>(pixels) * kLayer;
+    const double begin = maps.tracing + maps.largest * vertex + stretch * cell;
+    const double layers = maps.kept + maps.largest * kLanding + static_cast<double>(pixels) * kLayer;
     constexpr double kMost = 0x1p61;  // maps of absurd size must not wrap around to a small number
     return static_cast<std::size_t>(
         std::min(kMost, (bounce ? 2 : 1) * maps.photons * cell + std::max(begin, layers)));
@@ -90,10 +91,10 @@ void CausticMesh::begin(FrameContext& context) {
                 });
         };
         const auto lay = [&](const light::BeamMesh& mesh) {
-            light::Landings landings;
+            light::Landings& landings = state_->landings;
             {
                 const ScopedPass pass(context.stats, "photon tracing");
-                landings = light::land(mesh, context.rays);
+                light::land(mesh, context.rays, landings);
             }
             context.stats.count("photons landed", static_cast<double>(landings.count));
             lay_cells(mesh, landings);

@@ -29,7 +29,7 @@ void widen(Vectors2& vector, Floats& box, Floats cells, const KernelMetric& metr
         const Floats radius_square = metric.disc_radius * metric.disc_radius / across;
         // Variances along a line: of a box of width w w^2 / 12, of a tent of half-width c c^2 / 6, of a disc
         // of radius R R^2 / 4.
-        if (style.scale == std::round(style.scale)) {
+        if (style.scale == std::trunc(style.scale)) {
             const Floats share = tent ? lesser(greater(2.0f - cells, all(0.0f)), all(1.0f)) : all(1.0f);
             const Floats cell = share / cells;
             half = 0.5f * lanes::square_root<float>(cell * cell + 3.0f * radius_square);

@@ -26,6 +26,16 @@ void shorten(Vectors2& first, Vectors2& second, const Metric& metric) {
     }
 }
 
+/// Exchanges two bases where the first has no weight.
+void sink_weightless(LatticeBasis& first, LatticeBasis& second) {
+    const Flags empty = first.weight == 0.0f;
+    const LatticeBasis sunk = first;
+    first = {choose(empty, second.first, sunk.first), choose(empty, second.second, sunk.second),
+             empty ? second.weight : sunk.weight};
+    second = {choose(empty, sunk.first, second.first), choose(empty, sunk.second, second.second),
+              empty ? sunk.weight : second.weight};
+}
+
 }  // namespace
 
 ReducedLattice reduce_lattice(Vectors2 first, Vectors2 second, const Metric& metric) {
@@ -52,6 +62,9 @@ ReducedLattice reduce_lattice(Vectors2 first, Vectors2 second, const Metric& met
     }
     const Floats inverse = 1.0f / sum;
     for (LatticeBasis& basis : lattice) basis.weight *= inverse;
+    sink_weightless(lattice[0], lattice[1]);
+    sink_weightless(lattice[1], lattice[2]);
+    sink_weightless(lattice[0], lattice[1]);
     return lattice;
 }
 

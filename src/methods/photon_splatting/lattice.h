@@ -26,7 +26,7 @@ struct Metric {
 /// so kernels on them still sum to one over the lattice. Where two or three bases are about equally short the
 /// photon's flux is shared between them, by shares that depend smoothly on the lattice: neighbouring photons
 /// of a slowly varying lattice then never change kernels abruptly, which would show as a line. Bases that are
-/// not needed have weight 0.
+/// not needed have weight 0 and come last: of eight photons most need one, whichever pair it is.
 using ReducedLattice = std::array<LatticeBasis, 3>;
 ReducedLattice reduce_lattice(Vectors2 first, Vectors2 second, const Metric& metric);
 

@@ -19,6 +19,7 @@ struct PhotonSplatting::State {
     explicit State(gpu::Device& d) : device(&d), mapper(d), renderer(d) {}
     gpu::Device* device;
     light::CausticMapper mapper;
+    light::Landings landings;  // memory that is used again
     SplatRenderer renderer;
 };
 
@@ -53,8 +54,8 @@ std::size_t PhotonSplatting::bytes(const scene::FrameState& state, std::size_t p
     const double stretch = kSplat * static_cast<double>(kStretchPhotons);
     const bool bounce = state.caustics.map.second_bounce;
     const double mirrored = bounce ? mirrored_vertex_bytes(state) : 0;
-    const double begin = std::max(maps.tracing, maps.meshes + maps.largest * (kLanding + mirrored) + stretch);
-    const double layers = static_cast<double>(pixels) * kLayer;
+    const double begin = maps.tracing + maps.largest * (kLanding + mirrored) + stretch;
+    const double layers = maps.kept + maps.largest * kLanding + static_cast<double>(pixels) * kLayer;
     constexpr double kMost = 0x1p61;  // maps of absurd size must not wrap around to a small number
     return static_cast<std::size_t>(
         std::min(kMost, (bounce ? 2 : 1) * maps.photons * kSplat + std::max(begin, layers)));
@@ -87,10 +88,10 @@ void PhotonSplatting::begin(FrameContext& context) {
             if (lost > 0) context.stats.count("lost to flat footprints, W", lost);
         };
         const auto splat = [&](const light::BeamMesh& mesh) {
-            light::Landings landings;
+            light::Landings& landings = state_->landings;
             {
                 const ScopedPass pass(context.stats, "photon tracing");
-                landings = light::land(mesh, context.rays);
+                light::land(mesh, context.rays, landings);
             }
             context.stats.count("photons landed", static_cast<double>(landings.count));
             add(mesh, landings);

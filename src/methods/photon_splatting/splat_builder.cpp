@@ -185,8 +185,8 @@ private:
             kPlaneTolerance * lanes::square_root<float>(longest_square) * lanes::magnitude(plane.facing);
         const Flags drawable = finite(axis_a.x + axis_a.y + axis_a.z + axis_b.x + axis_b.y + axis_b.z) &
                                finite(irradiance.x + irradiance.y + irradiance.z) & finite(tolerance);
-        if (const Flags lost = on & ~drawable & picture_.holds(planes); lanes::any(lost))
-            out.lost += power_of(plane.power, basis.weight, lost);
+        if (const Flags flat = on & ~drawable; lanes::any(flat))
+            out.lost += power_of(plane.power, basis.weight, flat & picture_.holds(planes));
         on &= seen & drawable;
         const Flags quads = on & ~fit_points(corners, on, covers);
 

@@ -53,20 +53,32 @@ private:
     std::map<std::string, std::vector<double>> of_;
 };
 
+/// CPU time and page faults from here on.
+class Meter {
+public:
+    Meter() : cpu_s_(cpu_seconds()) { getrusage(RUSAGE_SELF, &first_); }
+    void stop(Costs& costs, const std::string& name) const {
+        costs.add(name, cpu_seconds() - cpu_s_);
+        rusage last{};
+        getrusage(RUSAGE_SELF, &last);
+        const auto system = [](const rusage& usage) {
+            return static_cast<double>(usage.ru_stime.tv_sec) +
+                   1e-6 * static_cast<double>(usage.ru_stime.tv_usec);
+        };
+        costs.add(name + ", system", system(last) - system(first_));
+        costs.add(name + ", faults", static_cast<double>(last.ru_minflt - first_.ru_minflt));
+    }
+
+private:
+    double cpu_s_;
+    rusage first_{};
+};
+
 template <class Work>
 void measure(Costs& costs, const char* name, const Work& work) {
-    rusage first{}, last{};
-    getrusage(RUSAGE_SELF, &first);
-    const double before = cpu_seconds();
+    const Meter meter;
     work();
-    costs.add(name, cpu_seconds() - before);
-    getrusage(RUSAGE_SELF, &last);
-    const auto system = [](const rusage& usage) {
-        return static_cast<double>(usage.ru_stime.tv_sec) +
-               1e-6 * static_cast<double>(usage.ru_stime.tv_usec);
-    };
-    costs.add(std::string(name) + ", system", system(last) - system(first));
-    costs.add(std::string(name) + ", faults", static_cast<double>(last.ru_minflt - first.ru_minflt));
+    meter.stop(costs, name);
 }
 
 /// A draw without anything that a method would do.
@@ -208,33 +220,35 @@ private:
     void once(Costs& costs, bool first) {
         FrameStats stats;
         const methods::SplatStyle style = methods::splat_style(frame_.state.caustics);
-        light::BeamMesh mesh;
-        measure(costs, "tracing", [&] {
-            mesh = std::move(mapper_.trace(frame_, rays_, 0, {light::Event::transmission},
-                                           frame_.state.caustics.map, stats)[0]);
-        });
+        renderer_.clear();
+        const auto splat = [&](const light::BeamMesh& mesh, auto take) {
+            methods::build_splats(frame_, media_, mesh, landings_, style, device_.largest_point_size(), take);
+        };
+        int columns = 0, rows = 0;
+        const Meter tracing;
+        mapper_.trace_each(frame_, rays_, 0, {light::Event::transmission}, frame_.state.caustics.map, stats,
+                           [&](std::span<light::BeamMesh> meshes) {
+                               tracing.stop(costs, "tracing");
+                               const light::BeamMesh& mesh = meshes[0];
+                               columns = mesh.columns;
+                               rows = mesh.rows;
+                               measure(costs, "landing", [&] { light::land(mesh, rays_, landings_); });
+                               measure(costs, "footprints", [&] {
+                                   splat(mesh, [&](const methods::Splats& splats) { renderer_.add(splats); });
+                               });
+                               if (!first) return;
+                               take_rays(mesh);
+                               bare_raster_.clear();
+                               splat(mesh, [&](const methods::Splats& s) { bare_raster_.take(s); });
+                               bare_raster_.finish();
+                               photons_ = static_cast<std::size_t>(stats.counted("photons"));
+                               splats_ = renderer_.points() + renderer_.quads();
+                           });
         std::map<std::string, double> passes;
         for (const PassTime& pass : stats.passes()) passes[pass.name] += pass.cpu_s;
         for (const auto& [name, seconds] : passes) costs.add(name, seconds);
-        light::Landings landings;
-        measure(costs, "landing", [&] { landings = light::land(mesh, rays_); });
-        renderer_.clear();
-        const auto splat = [&](auto take) {
-            methods::build_splats(frame_, media_, mesh, landings, style, device_.largest_point_size(), take);
-        };
-        measure(costs, "footprints",
-                [&] { splat([&](const methods::Splats& splats) { renderer_.add(splats); }); });
         measure(costs, "splatting", [&] { renderer_.render(frame_, style, layers_, results_, stats); });
-
-        if (first) {
-            take_rays(mesh);
-            bare_raster_.clear();
-            splat([&](const methods::Splats& splats) { bare_raster_.take(splats); });
-            bare_raster_.finish();
-            photons_ = static_cast<std::size_t>(stats.counted("photons"));
-            splats_ = renderer_.points() + renderer_.quads();
-        }
-        measure(costs, "bare map", [&] { bare_raster_.map(mesh.columns, mesh.rows); });
+        measure(costs, "bare map", [&] { bare_raster_.map(columns, rows); });
         measure(costs, "bare landing", [&] { bare_rays_.intersect(landing_); });
         measure(costs, "bare shadows", [&] { bare_rays_.occluded(to_light_); });
         measure(costs, "bare splatting", [&] { bare_raster_.sprites(); });
@@ -303,6 +317,7 @@ private:
     BareRaster bare_raster_;
     std::vector<view::ReceiverLayer> layers_;
     std::vector<methods::LayerResult> results_;
+    light::Landings landings_;
     std::vector<RTCRay8> landing_, to_light_;
     std::size_t photons_ = 0, splats_ = 0;
 };
