@@ -36,8 +36,8 @@ struct BeamSums {
 
 /// Rasterises beams: the volume of each is drawn, back faces only, so that each pixel that may see it is
 /// shaded once, wherever the camera stands; what the beam sends to the pixel is added up in the order of the
-/// beams. Surface and volume terms come from one rasterisation: S along the ray of the pixel's sample, E a mean
-/// over the part of the pixel that the sample stands for, which volumes are wide enough to meet.
+/// beams. Surface and volume terms come from one rasterisation: S along the ray of the pixel's sample, E a
+/// mean over the part of the pixel that the sample stands for, which volumes are wide enough to meet.
 class BeamRenderer {
 public:
     /// No buffer of beams has more bytes than `largest_buffer` or than the device can bind.
