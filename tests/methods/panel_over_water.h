@@ -139,7 +139,7 @@ inline scene::FrameState pool_under(const scene::Light& light, double view, int 
     scene::FrameState state = pool_over_floor(6, 1, view, pixels);
     state.lights = {light};
     state.caustics.map.map_resolution = 96;
-    state.caustics.adaptive_beams.grid = 64;
+    state.caustics.adaptive_beams.grid = 128;
     return state;
 }
 
