@@ -17,7 +17,6 @@
 namespace dapple {
 namespace {
 
-using methods::adaptive_beams::BeamRenderer;
 using methods::adaptive_beams::BeamSet;
 using methods::adaptive_beams::BeamSums;
 using methods::adaptive_beams::Shading;

@@ -234,9 +234,9 @@ BeamPush BeamRenderer::State::push(const BeamSet& set, int sample, int first_row
 void BeamRenderer::State::write_pixels(const view::SegmentLayer* segments,
                                        const view::ReceiverLayer* receivers, std::size_t first,
                                        std::array<std::span<glm::vec4>, kImages> texels) const {
-    const auto& [pixels, normals, faces, right, down] = texels;
     const ReceiverCell cell(receivers ? receivers->sample : 0, scene->state.clip.samples);
-    parallel_for(pixels.size(), kTile, [&](std::size_t begin, std::size_t end) {
+    parallel_for(texels[0].size(), kTile, [&](std::size_t begin, std::size_t end) {
+        const auto& [pixels, normals, faces, right, down] = texels;
         for (std::size_t i = begin; i < end; ++i) {
             const std::size_t at = first + i;
             for (const std::span<glm::vec4> image : texels) image[i] = glm::vec4(0);
