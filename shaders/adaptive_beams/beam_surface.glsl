@@ -1,8 +1,8 @@
 // What one beam sends to the receiver of one pixel: E, mean over the part of the picture that the pixel's sample stands
 // for (its cell), laid on the receiver's tangent plane. Where the three rays of the beam meet that plane is a triangle;
 // the part of it that lies in the cell is exact, so that beams much smaller than a pixel are seen too, with all of their
-// flux. E of long beams has the density that is continuous from beam to beam, of short and thin ones that which gives
-// each beam its own flux: at a focus the areas of corners' rings are rounding.
+// flux. E of long beams has the density that is continuous from beam to beam; E of short ones, and of those without
+// width, that which gives each beam its own flux: at a focus the areas of corners' rings are rounding.
 // Needs what beam_fragment.glsl declares.
 #include "light/square_coverage.glsl"
 
@@ -14,6 +14,9 @@ const float kThinnest = 0.02;
 // Cells that a beam is long where E is made of its own flux alone, and of the continuous density alone.
 const float kShort = 1.0;
 const float kLong = 4.0;
+// Cells that a beam is thick where rounding has its area, and its rings'. Thicker ones beside folds have their flux in
+// their rings' too, so that their own would be a second one.
+const float kResolved = 1e-4;
 // Cosine to a tangent plane, about, of rays that are taken to miss it.
 const float kGrazing = 1e-4;
 
@@ -79,7 +82,7 @@ bool land_in_cell(vec3 point, vec2 p0, vec2 p1, vec2 p2, vec3 plane, vec3 facing
     landed.share = clamp(part / covered, 0.0, 1.0);
     landed.point = point + landed.share.x * q0 + landed.share.y * q1 + landed.share.z * q2;
     landed.slack = sqrt(right.w);
-    float thickness = abs(twice) / max(longest, kThinnest) / kThinnest;
+    float thickness = abs(twice) / max(longest, kThinnest) / kResolved;
     float own = clamp(max((kLong - longest) / (kLong - kShort), 2.0 - thickness), 0.0, 1.0);
     landed.density = vec3(0.0);
     if (own > 0.0)
