@@ -84,13 +84,15 @@ bool land_in_cell(vec3 point, vec2 p0, vec2 p1, vec2 p2, vec3 plane, vec3 facing
     landed.slack = sqrt(right.w);
     float thickness = abs(twice) / max(longest, kThinnest) / kResolved;
     float own = clamp(max((kLong - longest) / (kLong - kShort), 2.0 - thickness), 0.0, 1.0);
-    landed.density = vec3(0.0);
-    if (own > 0.0)
-        landed.density += flux_start_bias.xyz * (own * 2.0 * covered / (abs(drawn) * right.w * -dot(landed.share, facing)));
+    // m^2 of constant depth that the triangle has on the plane, as it is and as it is drawn.
+    float to_area = 0.5 * right.w * -dot(landed.share, facing);
+    float area_drawn = abs(drawn) * to_area;
+    landed.density = flux_start_bias.xyz * (own * covered / area_drawn);
     if (own < 1.0) {
+        // A ring holds the beam: on a slanted plane, whose places differ in depth, it may be narrow at the depth of one.
         vec3 area, same, again;
         ring_areas(vec3(landed.point.z), area, same, again);
-        landed.density += density(part, area) * ((1.0 - own) * abs(twice / drawn));
+        landed.density += density(part, max(area, vec3(abs(twice) * to_area))) * ((1.0 - own) * abs(twice / drawn));
     }
     return true;
 }

@@ -60,6 +60,43 @@ TEST(BeamSurface, PicturesOfAnySizeHoldAllFlux) {
     printf("flux of a lens in pictures of 1 to 4096 cells: off by %.1e\n", worst);
 }
 
+TEST(BeamSurface, SteepFloorsThroughAFocusHaveNoSpikes) {
+    // Triangles of beams reach there from one side of the line 1 m deep that all rays meet to the other,
+    // where the eight of a row of the lens lie over each other. A corner has the flux of up to six, each 1 W,
+    // over their area, which is no less than one's own.
+    for (const double tilt : {45.0, 60.0, 75.0}) {
+        scene::FrameScene scene = lens_scene(1, {0, 0.05, 0});
+        const double angle = glm::radians(tilt);
+        const glm::dvec3 normal(0, std::cos(angle), std::sin(angle)), middle(0, -1, 0.0117);
+        scene.state.objects[0].transform.rotation = {angle, 0, 0};
+        scene.state.objects[0].transform.position = middle;
+        scene.state.camera.position = middle + 0.05 * normal;
+        scene.state.camera.target = middle;
+        scene.state.camera.up = {1, 0, 0};
+        scene.state.camera.view_height = 0.3;
+        scene.state.clip.width = scene.state.clip.height = 256;
+        methods::adaptive_beams::BeamSet lens = test::lens_of_beams(0.5f);
+        std::vector<glm::dvec3> landed;
+        for (auto& ray : lens.vertices) {
+            const glm::dvec3 start(ray.a, 0, ray.b), way(ray.slope_a, -1, ray.slope_b);
+            const double end = glm::dot(normal, middle - start) / glm::dot(normal, way);
+            ray.end = static_cast<float>(end);
+            landed.push_back(start + end * way);
+        }
+        double least = 1;
+        for (const glm::uvec3& t : lens.triangles)
+            least = std::min(
+                least, 0.5 * glm::length(glm::cross(landed[t.y] - landed[t.x], landed[t.z] - landed[t.x])));
+        const test::Drawn drawn = test::draw(scene, {lens});
+        double brightest = 0;
+        for (const glm::vec3& e : drawn.sums.irradiance)
+            brightest = std::max(brightest, static_cast<double>(e.g));
+        printf("%g deg: %.3g W/m^2, beams %.3g at most\n", tilt, brightest, 1 / least);
+        EXPECT_GT(brightest, 0);
+        EXPECT_LT(brightest, 8 * 6 / least);
+    }
+}
+
 TEST(BeamSurface, APointOfLightIsInItsPixel) {
     scene::FrameScene scene = lens_scene(1, {0, 0.1, 0});
     scene.state.clip.width = scene.state.clip.height = 33;
