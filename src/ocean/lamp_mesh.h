@@ -18,13 +18,12 @@ constexpr double kLeastDistance = 1.0 / 20;
 /// mesh_cells says otherwise: each beam carries one irradiance, whatever its size, so that flat water's two
 /// by two cells serve a sun, but no lamp near them. Distances are those to the rest plane, within the water's
 /// extent and the spot's cone, or before an area light: how wide a spot is there is taken where it is
-/// nearest. At most
-/// ocean::kDefaultTriangleCap triangles, but for the rounding of a spectrum's sizes. Cells follow the
-/// distance without steps, so that no frame of a lamp that moves is sharper than its neighbours by more than
-/// they differ in distance (a spectrum's sizes step by some per cent): waves and spectra are the same surface
-/// on any mesh, but for the second order of its cells. Unchanged where mesh_cells or rings are given, the
-/// mesh is as fine already, or is read from files; lamps without intensity, and spots and area lights that
-/// do not reach the rest plane within the extent, count for nothing.
+/// nearest. At most ocean::kDefaultTriangleCap triangles, but for the rounding of a spectrum's sizes. Cells
+/// follow the distance without steps, so that no frame of a lamp that moves is sharper than its neighbours by
+/// more than they differ in distance (a spectrum's sizes step by some per cent): waves and spectra are the
+/// same surface on any mesh, but for the second order of its cells. Unchanged where mesh_cells or rings are
+/// given, the mesh is as fine already, or is read from files; lamps without intensity, and spots and area
+/// lights that do not reach the rest plane within the extent, count for nothing.
 scene::FrameState with_mesh_for_lamps(scene::FrameState state);
 
 }  // namespace dapple::ocean

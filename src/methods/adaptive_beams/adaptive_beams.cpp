@@ -57,12 +57,12 @@ Support AdaptiveBeams::supports_volume(const scene::FrameState&) const {
 }
 
 std::size_t AdaptiveBeams::bytes(const scene::FrameState& state, std::size_t pixels) const {
-    // Five pictures, three buffers of their size and the sums of a layer, of up to four layers kept. Beams at
+    // Seven pictures, five buffers of their size and the sums of a layer, of up to four layers kept. Beams at
     // worst: all cells of the grid split at every level, for each body, each part or face of a light and
     // both events, in three colours where the water parts them; on up to three legs where glass sends light
     // on. Of one view at a time there are its texels and its rays with their paths.
-    constexpr double a_pixel = 8 * sizeof(glm::vec4) + 6 * sizeof(glm::vec3);
-    constexpr double a_beam = 520, a_ray = 1200;
+    constexpr double a_pixel = 12 * sizeof(glm::vec4) + 6 * sizeof(glm::vec3);
+    constexpr double a_beam = 532, a_ray = 1200;
     // Bounded media: columns of the rows that are drawn at a time, and of the rays of all beams. Bricks are
     // in what grids take.
     const auto grids = static_cast<std::size_t>(
