@@ -12,6 +12,7 @@ namespace {
 
 using test::Frame;
 using test::LayerResult;
+using test::relative_l1;
 
 /// A pool of 6 m, 1 m deep, its floor seen from above, under a panel.
 scene::FrameState pool_under(const scene::Light& panel, double view, int pixels) {
@@ -128,15 +129,6 @@ TEST(AreaLight, FluxOnACatchingFloorByPhotons) {
         printf("flux %.4f of %.4f W\n", flux, expected);
         EXPECT_NEAR(flux / expected, 1, 1e-3);
     }
-}
-
-double relative_l1(const LayerResult& found, const LayerResult& truth) {
-    double difference = 0, sum = 0;
-    for (std::size_t i = 0; i < truth.irradiance.size(); ++i) {
-        difference += std::abs(static_cast<double>(found.irradiance[i].x - truth.irradiance[i].x));
-        sum += static_cast<double>(truth.irradiance[i].x);
-    }
-    return difference / sum;
 }
 
 TEST(AreaLight, UnderWavesFewPointsDoWhereTheyWidenSplats) {

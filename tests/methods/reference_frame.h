@@ -150,4 +150,14 @@ inline double across_flat_water(double a, double b, double index_from, double in
     return (1 - at.reflectance) * std::sin(low) / (r * spread) * along_way(a / c, b / ct);
 }
 
+/// L1 of E against that of `truth`, over its mean; red.
+inline double relative_l1(const LayerResult& found, const LayerResult& truth) {
+    double difference = 0, sum = 0;
+    for (std::size_t i = 0; i < truth.irradiance.size(); ++i) {
+        difference += std::abs(static_cast<double>(found.irradiance[i].x - truth.irradiance[i].x));
+        sum += static_cast<double>(truth.irradiance[i].x);
+    }
+    return difference / sum;
+}
+
 }  // namespace dapple::test

@@ -14,6 +14,7 @@ namespace {
 using scene::PhotonFootprint;
 using test::Frame;
 using test::LayerResult;
+using test::relative_l1;
 
 constexpr double kBottom = 1.5, kHull = 0.3;  // m of depth
 constexpr double kZenith = 50;                // degrees
@@ -215,13 +216,17 @@ TEST(SecondBounce, OfALevelMirrorBelowWavesIsThatOfTheReference) {
     expect_like_reference(state, kWays, 1 << 16, 0.02, 0.01);
 }
 
-TEST(SecondBounce, OfACurvedMirrorIsThatOfTheReference) {
+scene::Object mirror_ball() {
     scene::Object ball;
     ball.name = "ball";
     ball.shape = scene::Shape::sphere;
     ball.radius = 0.5;
     ball.transform.position = {0, -kBottom - 0.3, 0};
-    scene::FrameState state = dock(ball);
+    return ball;
+}
+
+TEST(SecondBounce, OfACurvedMirrorIsThatOfTheReference) {
+    scene::FrameState state = dock(mirror_ball());
     state.clip.width = state.clip.height = 12;
     expect_like_reference(state, {kWays[0], kWays[2]}, 1 << 18, 0.02, 0.025);
     // Beside rays that miss the ball its cells are laid as if their rays were parallel: 3 % of the light at 2
@@ -230,25 +235,10 @@ TEST(SecondBounce, OfACurvedMirrorIsThatOfTheReference) {
     expect_like_reference(state, {kWays[4]}, 1 << 18, 0.02, 0.025);
 }
 
-/// L1 of E by one ray a place of the water against E by many, over their mean.
-double relative_l1(const LayerResult& found, const LayerResult& truth) {
-    double difference = 0, sum = 0;
-    for (std::size_t i = 0; i < truth.irradiance.size(); ++i) {
-        difference += std::abs(static_cast<double>(found.irradiance[i].x - truth.irradiance[i].x));
-        sum += static_cast<double>(truth.irradiance[i].x);
-    }
-    return difference / sum;
-}
-
 /// The dock with a ball, whose curvature spreads a light's rays five times as far apart on the hull as a
 /// level mirror, below waves that focus on it.
 scene::FrameState dock_with_ball() {
-    scene::Object ball;
-    ball.name = "ball";
-    ball.shape = scene::Shape::sphere;
-    ball.radius = 0.5;
-    ball.transform.position = {0, -kBottom - 0.3, 0};
-    scene::FrameState state = dock(ball);
+    scene::FrameState state = dock(mirror_ball());
     state.clip.width = state.clip.height = 24;
     state.camera.view_height = 1;
     state.water->surface.type = scene::WaterSurfaceType::waves;
