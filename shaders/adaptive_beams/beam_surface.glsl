@@ -17,9 +17,6 @@ const float kLong = 4.0;
 // Cells that a beam is thick where rounding has its area, and its rings'. Thicker ones beside folds have their flux in
 // their rings' too, so that their own would be a second one.
 const float kResolved = 1e-4;
-// By how much of the larger a beam's areas at one depth and on a slanted plane differ where E has none of its own flux;
-// from twice as much on it has all. Rings, whose areas are those at one depth, may be narrow there.
-const float kSlanted = 0.1;
 // Cosine to a tangent plane, about, of rays that are taken to miss it.
 const float kGrazing = 1e-4;
 
@@ -86,18 +83,18 @@ bool land_in_cell(vec3 point, vec2 p0, vec2 p1, vec2 p2, vec3 plane, vec3 facing
     landed.point = point + landed.share.x * q0 + landed.share.y * q1 + landed.share.z * q2;
     landed.slack = sqrt(right.w);
     float thickness = abs(twice) / max(longest, kThinnest) / kResolved;
-    // m^2 of constant depth that the triangle has on the plane, as it is and as it is drawn; and where its middle is.
+    float own = clamp(max((kLong - longest) / (kLong - kShort), 2.0 - thickness), 0.0, 1.0);
+    // m^2 of constant depth that the triangle has on the plane, as it is and as it is drawn.
     float to_area = 0.5 * right.w * -dot(landed.share, facing);
-    float area = abs(twice) * to_area, area_drawn = abs(drawn) * to_area;
-    vec2 r0 = place(ray_0, landed.point), r1 = place(ray_1, landed.point), r2 = place(ray_2, landed.point);
-    float area_there = 0.5 * abs(cross_2(r1 - r0, r2 - r0));
-    float slanted = abs(area_there - area) / max(max(area_there, area), kTiny);
-    float own = clamp(max(max((kLong - longest) / (kLong - kShort), 2.0 - thickness), slanted / kSlanted - 1.0), 0.0, 1.0);
+    float area_drawn = abs(drawn) * to_area;
     landed.density = flux_start_bias.xyz * (own * covered / area_drawn);
     if (own < 1.0) {
-        vec3 ring, same, again;
-        ring_areas(vec3(landed.point.z), ring, same, again);
-        landed.density += density(part, ring) * ((1.0 - own) * abs(twice / drawn));
+        // Where the corners land, which on a slanted plane differ in depth: all beams of a corner then have one density
+        // there. No ring is smaller than its beam: it may be narrow where others of its beams do not land.
+        vec3 of_0, of_1, of_2;
+        ring_areas(point.z + deeper, of_0, of_1, of_2);
+        vec3 area = max(vec3(of_0.x, of_1.y, of_2.z), vec3(abs(twice) * to_area));
+        landed.density += density(part, area) * ((1.0 - own) * abs(twice / drawn));
     }
     return true;
 }
