@@ -1,10 +1,15 @@
 // One photon's splat, written by the host (eight at once: methods/photon_splatting/splat_builder.cpp counts
-// on the order) and read by photon_splatting/splat*.vert. Positions and vectors are relative to the frame's
-// origin.
+// on the order) and read by photon_splatting/splat*.vert, or by the host's own renderer. Positions and
+// vectors are relative to the frame's origin.
 #ifndef DAPPLE_LAYOUT_SPLAT
 #define DAPPLE_LAYOUT_SPLAT
 #include "layout/types.h"
 LAYOUT_BEGIN
+
+const float kSmallestNormalCosine = 0.7f;  // receivers that lean away more lie on another face
+// As the paper tells receivers:
+const float kDepthBias = 0.01f;  // m, which it does not give: its unit
+const float kEdgeOn = 1e-4f;     // cosine of a plane on whose edge the camera looks
 
 struct Splat {
     vec3 position;    // m, where the beam lands

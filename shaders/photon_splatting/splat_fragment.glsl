@@ -1,6 +1,8 @@
-// Evaluates a splat's kernel at the receiver of the pixel, for LAYERS layers at once. `precise`, so that a layer has
+// Evaluates a splat's kernel at the receiver of the pixel, for LAYERS layers at once; host_splat_renderer.cpp does the same. `precise`, so that a layer has
 // the same bits in any batch.
 // LAYERS: 1 or 4. BOXES: kernels are boxes, else tents. DEPTH_TEST: as the paper tells receivers.
+#extension GL_EXT_scalar_block_layout : require
+#include "layout/splat.h"
 layout(location = 0) flat in vec4 position_tolerance;
 layout(location = 1) flat in vec4 axis_a;
 layout(location = 2) flat in vec4 axis_b;
@@ -16,8 +18,6 @@ layout(binding = 2) uniform sampler2D receivers_1;
 layout(binding = 3) uniform sampler2D receivers_2;
 layout(binding = 4) uniform sampler2D receivers_3;
 #endif
-
-const float kSmallestNormalCosine = 0.7;  // receivers that lean away more lie on another face
 
 vec3 decoded_normal(uint code) {
     vec2 f = vec2((uvec2(code >> 14, code) & 0x3fffu)) / 8191.0 - 1.0;
@@ -50,11 +50,7 @@ float profile(float x, float box) {
 #endif
 
 #ifdef DEPTH_TEST
-#extension GL_EXT_scalar_block_layout : require
-#include "layout/splat.h"
 layout(scalar, push_constant) uniform Push { SplatPush push; };
-const float kDepthBias = 0.01;  // m, which the paper does not give: its unit
-const float kEdgeOn = 1e-4;     // cosine of a plane on whose edge the camera looks
 
 // Kougianos and Moustakas 2021, section 3.2: the splat is a quad on its plane, drawn where it is not behind what the
 // camera sees, less a bias. Moves `offset` from the receiver to the quad along the camera's ray.

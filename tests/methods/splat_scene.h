@@ -63,13 +63,13 @@ inline void look_down(scene::FrameScene& scene, int pixels, double view) {
     scene.state.camera.view_height = view;
 }
 
-inline std::vector<methods::LayerResult> splat(const scene::FrameScene& scene,
-                                               std::vector<light::Chain> chains,
-                                               std::span<const view::ReceiverLayer> layers,
-                                               FrameStats& stats) {
+inline std::vector<methods::LayerResult> splat(
+    const scene::FrameScene& scene, std::vector<light::Chain> chains,
+    std::span<const view::ReceiverLayer> layers, FrameStats& stats,
+    methods::SplatBackend backend = methods::SplatBackend::automatic) {
     const rays::RayScene rays(scene);
     methods::FrameContext context{scene, rays, validated_device(), stats, std::move(chains)};
-    methods::PhotonSplatting method;
+    methods::PhotonSplatting method(backend);
     method.begin(context);
     std::vector<methods::LayerResult> results(layers.size());
     method.irradiance(context, layers, results);

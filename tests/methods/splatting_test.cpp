@@ -5,7 +5,6 @@
 #include "light/caustic_map.h"
 #include "light/landing.h"
 #include "methods/photon_splatting/splat_builder.h"
-#include "methods/photon_splatting/splat_renderer.h"
 #include "methods/splat_scene.h"
 
 namespace dapple {
@@ -214,10 +213,13 @@ TEST(PhotonSplatting, LayersHaveTheSameBitsInAnyBatch) {
     std::vector<view::ReceiverLayer> layers;
     for (int sample = 0; sample < 5; ++sample) layers.push_back(receivers_on_level(scene, -1.5, sample));
     FrameStats stats;
-    const auto together = splat(scene, {{0, light::Event::transmission}}, layers, stats);
-    for (std::size_t i = 0; i < layers.size(); ++i) {
-        const auto alone = splat(scene, {{0, light::Event::transmission}}, {&layers[i], 1}, stats);
-        EXPECT_EQ(alone[0].irradiance, together[i].irradiance) << i;
+    for (const auto backend : {methods::SplatBackend::host, methods::SplatBackend::device}) {
+        const auto together = splat(scene, {{0, light::Event::transmission}}, layers, stats, backend);
+        for (std::size_t i = 0; i < layers.size(); ++i) {
+            const auto alone =
+                splat(scene, {{0, light::Event::transmission}}, {&layers[i], 1}, stats, backend);
+            EXPECT_EQ(alone[0].irradiance, together[i].irradiance) << i;
+        }
     }
 }
 
@@ -234,12 +236,14 @@ TEST(PhotonSplatting, LightsOnlyReceiversInItsMediumThatFaceItOnItsPlane) {
         layers[5].shading_normal[i] = {1, 0, 0};
         layers[6].flags[i] = view::kEnvironment;
     }
-    const auto results = splat(scene, {{0, light::Event::transmission}}, layers, stats);
-    for (std::size_t k = 0; k < layers.size(); ++k)
-        for (std::size_t i = 0; i < layers[k].pixels(); ++i) {
-            EXPECT_EQ(results[k].irradiance[i].g > 0, k == 0) << k;
-            EXPECT_EQ(results[k].covered[i], k == 2 || k == 6 ? 0 : 1) << k;
-        }
+    for (const auto backend : {methods::SplatBackend::host, methods::SplatBackend::device}) {
+        const auto results = splat(scene, {{0, light::Event::transmission}}, layers, stats, backend);
+        for (std::size_t k = 0; k < layers.size(); ++k)
+            for (std::size_t i = 0; i < layers[k].pixels(); ++i) {
+                EXPECT_EQ(results[k].irradiance[i].g > 0, k == 0) << k;
+                EXPECT_EQ(results[k].covered[i], k == 2 || k == 6 ? 0 : 1) << k;
+            }
+    }
 }
 
 TEST(PhotonSplatting, ASceneWithoutChainsIsDark) {
@@ -250,36 +254,6 @@ TEST(PhotonSplatting, ASceneWithoutChainsIsDark) {
     const auto results = splat(scene, {}, {&layer, 1}, stats);
     for (const glm::vec3& e : results[0].irradiance) EXPECT_EQ(e, glm::vec3(0));
     EXPECT_EQ(results[0].covered[0], 1);
-}
-
-TEST(SplatRenderer, DrawsTheSameFromBuffersOfAnySize) {
-    scene::FrameScene scene = flat_pool(20, 60);
-    test::add_water(scene, test::gentle_sea(), 60, 60);
-    look_down(scene, 32, 2);
-    const rays::RayScene rays(scene);
-    const media::Media media(scene);
-    const methods::SplatStyle style;
-    FrameStats stats;
-    light::CausticMapper mapper(test::validated_device());
-    const light::BeamMesh mesh =
-        mapper.trace(scene, rays, 0, {light::Event::transmission}, scene.state.caustics.map, stats)[0];
-    const light::Landings landings = light::land(mesh, rays);
-    const std::vector<view::ReceiverLayer> layers = {receivers_on_level(scene, -1.5)};
-    std::vector<std::vector<glm::vec3>> found;
-    std::size_t splats = 0;
-    // A band of eight rows of this map has some hundred splats.
-    for (const std::size_t largest : {std::size_t{1} << 20, 37 * sizeof(layout::Splat)}) {
-        methods::SplatRenderer renderer(test::validated_device(), largest);
-        methods::build_splats(scene, media, mesh, landings, style, 64,
-                              [&](const methods::Splats& some) { renderer.add(some); });
-        std::vector<methods::LayerResult> results(1);
-        renderer.render(scene, style, layers, results, stats);
-        found.push_back(results[0].irradiance);
-        splats = renderer.points() + renderer.quads();
-    }
-    EXPECT_GT(splats, 200u);
-    EXPECT_EQ(found[0], found[1]);
-    EXPECT_GT(found[0][500].g, 0);
 }
 
 TEST(PhotonSplatting, NamesTheLightOfFootprintsWithoutArea) {

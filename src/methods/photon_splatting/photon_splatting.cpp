@@ -15,15 +15,30 @@
 
 namespace dapple::methods {
 
+namespace {
+
+/// By the device's type, never by timing, so that bits repeat. On lavapipe the rasteriser costs several times
+/// what the host's code does (tests/benchmarks/light/bench_caustic_map.cpp).
+bool draws_on_device(gpu::DeviceType type, SplatBackend backend) {
+    return backend == SplatBackend::device ||
+           (backend == SplatBackend::automatic && type != gpu::DeviceType::cpu);
+}
+
+}  // namespace
+
 struct PhotonSplatting::State {
-    explicit State(gpu::Device& d) : device(&d), mapper(d), renderer(d) {}
+    State(gpu::Device& d, SplatBackend backend)
+        : device(&d),
+          mapper(d),
+          renderer(draws_on_device(d.info().type, backend) ? device_splat_renderer(d)
+                                                           : host_splat_renderer()) {}
     gpu::Device* device;
     light::CausticMapper mapper;
     light::Landings landings;  // memory that is used again
-    SplatRenderer renderer;
+    std::unique_ptr<SplatRenderer> renderer;
 };
 
-PhotonSplatting::PhotonSplatting() = default;
+PhotonSplatting::PhotonSplatting(SplatBackend backend) : backend_(backend) {}
 PhotonSplatting::~PhotonSplatting() = default;
 
 Support PhotonSplatting::supports_surface(const scene::FrameState& state) const {
@@ -48,22 +63,26 @@ std::size_t PhotonSplatting::bytes(const scene::FrameState& state, std::size_t p
     if (!state.water) return 0;
     const light::MapMemory maps = light::foresee_maps(state);
     constexpr double kLanding = 4 + 12, kSplat = sizeof(layout::Splat);
-    constexpr double kLayer = 4 * 3 * 16;  // four layers' staging, receivers and irradiance
+    // On a device four layers' staging, receivers and irradiance; on the host one layer, and lists of the
+    // splats that meet bands of rows.
+    constexpr double kDeviceLayer = 4 * 3 * 16, kHostLayer = 40, kListed = 20;
     // One map after another is drawn, landed and cut into splats, a stretch before they go to the device. As
     // many splats as photons: those near edges of faces have more, those that the camera does not see none.
     const double stretch = kSplat * static_cast<double>(kStretchPhotons);
     const bool bounce = state.caustics.map.second_bounce;
     const double mirrored = bounce ? mirrored_vertex_bytes(state) : 0;
     const double begin = maps.tracing + maps.largest * (kLanding + mirrored) + stretch;
-    const double layers = maps.kept + maps.largest * kLanding + static_cast<double>(pixels) * kLayer;
+    const double splats = (bounce ? 2 : 1) * maps.photons, picture = static_cast<double>(pixels);
+    const double layers = maps.kept + maps.largest * kLanding +
+                          std::max(picture * kDeviceLayer, picture * kHostLayer + splats * kListed);
     constexpr double kMost = 0x1p61;  // maps of absurd size must not wrap around to a small number
-    return static_cast<std::size_t>(
-        std::min(kMost, (bounce ? 2 : 1) * maps.photons * kSplat + std::max(begin, layers)));
+    return static_cast<std::size_t>(std::min(kMost, splats * kSplat + std::max(begin, layers)));
 }
 
 void PhotonSplatting::begin(FrameContext& context) {
-    if (!state_ || state_->device != &context.device) state_ = std::make_unique<State>(context.device);
-    SplatRenderer& renderer = state_->renderer;
+    if (!state_ || state_->device != &context.device)
+        state_ = std::make_unique<State>(context.device, backend_);
+    SplatRenderer& renderer = *state_->renderer;
     renderer.clear();
     const media::Media media(context.scene);
     const scene::CausticMapParameters& map = context.scene.state.caustics.map;
@@ -111,7 +130,7 @@ void PhotonSplatting::begin(FrameContext& context) {
 void PhotonSplatting::irradiance(FrameContext& context, std::span<const view::ReceiverLayer> layers,
                                  std::span<LayerResult> results) {
     const SplatStyle style = splat_style(context.scene.state.caustics);
-    state_->renderer.render(context.scene, style, layers, results, context.stats);
+    state_->renderer->render(context.scene, style, layers, results, context.stats);
 }
 
 }  // namespace dapple::methods

@@ -5,13 +5,20 @@
 
 namespace dapple::methods {
 
+/// What draws the splats.
+enum class SplatBackend {
+    automatic,  ///< by the type of the device
+    host,
+    device,
+};
+
 /// Photon splatting from a caustic map (Kougianos & Moustakas 2021, section 3). The vertices of the beam
 /// meshes are photons; each lights the receivers about its landing point by a footprint that the timeline
 /// names (scene::PhotonFootprint, footprint.h). By default that is a kernel which sums to one over the
 /// photon's lattice, so flat water comes out flat and flux is kept.
 class PhotonSplatting final : public CausticMethod {
 public:
-    PhotonSplatting();
+    explicit PhotonSplatting(SplatBackend backend = SplatBackend::automatic);
     ~PhotonSplatting() override;
     Support supports_surface(const scene::FrameState& state) const override;
     std::size_t bytes(const scene::FrameState& state, std::size_t pixels) const override;
@@ -21,6 +28,7 @@ public:
 
 private:
     struct State;
+    SplatBackend backend_;
     std::unique_ptr<State> state_;
 };
 

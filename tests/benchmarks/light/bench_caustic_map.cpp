@@ -197,13 +197,15 @@ public:
           device_(gpu::DeviceOptions{}),
           rays_(frame),
           mapper_(device_),
-          renderer_(device_),
+          host_(methods::host_splat_renderer()),
+          rasteriser_(methods::device_splat_renderer(device_)),
           media_(frame),
           bare_rays_(frame),
           bare_raster_(device_, frame) {
         view::LayerCounts counts;
         layers_.push_back(view::trace_layer(frame, rays_, {}, counts));
         results_.resize(1);
+        rastered_.resize(1);
     }
 
     void run(int side, int repetitions) {
@@ -220,7 +222,8 @@ private:
     void once(Costs& costs, bool first) {
         FrameStats stats;
         const methods::SplatStyle style = methods::splat_style(frame_.state.caustics);
-        renderer_.clear();
+        host_->clear();
+        rasteriser_->clear();
         const auto splat = [&](const light::BeamMesh& mesh, auto take) {
             methods::build_splats(frame_, media_, mesh, landings_, style, device_.largest_point_size(), take);
         };
@@ -234,20 +237,22 @@ private:
                                rows = mesh.rows;
                                measure(costs, "landing", [&] { light::land(mesh, rays_, landings_); });
                                measure(costs, "footprints", [&] {
-                                   splat(mesh, [&](const methods::Splats& splats) { renderer_.add(splats); });
+                                   splat(mesh, [&](const methods::Splats& splats) { host_->add(splats); });
                                });
+                               splat(mesh, [&](const methods::Splats& splats) { rasteriser_->add(splats); });
                                if (!first) return;
                                take_rays(mesh);
                                bare_raster_.clear();
                                splat(mesh, [&](const methods::Splats& s) { bare_raster_.take(s); });
                                bare_raster_.finish();
                                photons_ = static_cast<std::size_t>(stats.counted("photons"));
-                               splats_ = renderer_.points() + renderer_.quads();
+                               splats_ = host_->points() + host_->quads();
                            });
         std::map<std::string, double> passes;
         for (const PassTime& pass : stats.passes()) passes[pass.name] += pass.cpu_s;
         for (const auto& [name, seconds] : passes) costs.add(name, seconds);
-        measure(costs, "splatting", [&] { renderer_.render(frame_, style, layers_, results_, stats); });
+        measure(costs, "splatting", [&] { host_->render(frame_, style, layers_, results_, stats); });
+        measure(costs, "rasteriser", [&] { rasteriser_->render(frame_, style, layers_, rastered_, stats); });
         measure(costs, "bare map", [&] { bare_raster_.map(columns, rows); });
         measure(costs, "bare landing", [&] { bare_rays_.intersect(landing_); });
         measure(costs, "bare shadows", [&] { bare_rays_.occluded(to_light_); });
@@ -281,9 +286,9 @@ private:
                     1e-6 * static_cast<double>(splats_), covered / static_cast<double>(splats_));
         std::printf(
             "  tracing %.0f (map %.0f, refraction %.0f, shadow rays %.0f), landing rays %.0f, footprints "
-            "%.0f; splatting %.0f\n",
+            "%.0f; splatting %.0f, by the device %.0f\n",
             ms("tracing"), ms("caustic map"), ms("refraction"), ms("light shadows"), ms("landing"),
-            ms("footprints"), ms("splatting"));
+            ms("footprints"), ms("splatting"), ms("rasteriser"));
         const auto all = [&](const char* what) {
             double sum = 0;
             for (const char* part : {"tracing", "landing", "footprints"})
@@ -295,13 +300,22 @@ private:
                     costs.median("splatting, faults"));
         std::printf("  bare: map %.0f, shadow rays %.0f, landing rays %.0f; sprites %.0f\n", ms("bare map"),
                     ms("bare shadows"), ms("bare landing"), ms("bare splatting"));
-        std::printf("  ratio: map to landing %.2f, with footprints %.2f; splatting %.2f; all %.2f\n",
-                    traced / bare, pass / bare, ms("splatting") / ms("bare splatting"),
-                    (pass + ms("splatting")) / (bare + ms("bare splatting")));
+        std::printf(
+            "  ratio: map to landing %.2f, with footprints %.2f; splatting %.2f, by the device %.2f; all "
+            "%.2f\n",
+            traced / bare, pass / bare, ms("splatting") / ms("bare splatting"),
+            ms("rasteriser") / ms("bare splatting"),
+            (pass + ms("splatting")) / (bare + ms("bare splatting")));
         std::printf("  ns: a photon %.0f; splatting, a splat %.0f, a covered pixel %.1f\n",
                     1e6 * pass / photons, 1e6 * ms("splatting") / static_cast<double>(splats_),
                     1e6 * ms("splatting") / covered);
         const std::vector<glm::vec3>& irradiance = results_[0].irradiance;
+        double off = 0, sum = 0;
+        for (std::size_t i = 0; i < irradiance.size(); ++i) {
+            off += static_cast<double>(glm::distance(irradiance[i], rastered_[0].irradiance[i]));
+            sum += static_cast<double>(glm::length(irradiance[i]));
+        }
+        std::printf("  E of the device is off by %.1e\n", off / sum);
         std::printf("  bits of E: %s\n",
                     content_hash(irradiance.data(), irradiance.size() * sizeof(glm::vec3)).c_str());
         std::fflush(stdout);
@@ -311,12 +325,12 @@ private:
     gpu::Device device_;
     rays::RayScene rays_;
     light::CausticMapper mapper_;
-    methods::SplatRenderer renderer_;
+    std::unique_ptr<methods::SplatRenderer> host_, rasteriser_;
     media::Media media_;
     test::BareEmbree bare_rays_;
     BareRaster bare_raster_;
     std::vector<view::ReceiverLayer> layers_;
-    std::vector<methods::LayerResult> results_;
+    std::vector<methods::LayerResult> results_, rastered_;
     light::Landings landings_;
     std::vector<RTCRay8> landing_, to_light_;
     std::size_t photons_ = 0, splats_ = 0;
