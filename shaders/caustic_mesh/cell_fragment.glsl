@@ -1,6 +1,6 @@
 // Mean of a cell's irradiance over each pixel's part of LAYERS layers at once, on the receiver of the pixel. Cells are
 // laid over the picture as the camera sees them about that receiver, so that those which share an edge fit without a
-// seam. `precise`, so that a layer has the same bits in any batch.
+// seam; host_cell_renderer.cpp does the same. `precise`, so that a layer has the same bits in any batch.
 #extension GL_EXT_scalar_block_layout : require
 #include "light/square_coverage.glsl"
 #include "layout/mesh_cell.h"
@@ -27,8 +27,6 @@ layout(binding = 6) uniform sampler2D normals_2;
 layout(binding = 7) uniform sampler2D positions_3;
 layout(binding = 8) uniform sampler2D normals_3;
 #endif
-
-const float kSmallestNormalCosine = 0.7;  // receivers that lean away more lie on another face
 
 vec4 lit(sampler2D positions, sampler2D normals, vec4 filtered) {
     vec4 receiver = texelFetch(positions, ivec2(gl_FragCoord.xy), 0);

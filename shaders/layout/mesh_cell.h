@@ -2,6 +2,7 @@
 // Positions are relative to the frame's origin.
 #ifndef DAPPLE_LAYOUT_MESH_CELL
 #define DAPPLE_LAYOUT_MESH_CELL
+#include "layout/receiver.h"
 #include "layout/types.h"
 LAYOUT_BEGIN
 

@@ -3,10 +3,10 @@
 // vectors are relative to the frame's origin.
 #ifndef DAPPLE_LAYOUT_SPLAT
 #define DAPPLE_LAYOUT_SPLAT
+#include "layout/receiver.h"
 #include "layout/types.h"
 LAYOUT_BEGIN
 
-const float kSmallestNormalCosine = 0.7f;  // receivers that lean away more lie on another face
 // As the paper tells receivers:
 const float kDepthBias = 0.01f;  // m, which it does not give: its unit
 const float kEdgeOn = 1e-4f;     // cosine of a plane on whose edge the camera looks

@@ -4,7 +4,6 @@
 
 #include "light/caustic_map.h"
 #include "methods/caustic_mesh/cell_drawing.h"
-#include "methods/caustic_mesh/cell_renderer.h"
 #include "methods/flat_water_light.h"
 
 namespace dapple {
@@ -254,40 +253,6 @@ TEST(CausticMesh, ErrorFallsWithTheSquareOfTheSpacing) {
         EXPECT_LT(errors[3], errors[2] / 2);
         EXPECT_LT(errors[2], share < 1 ? 1e-4 : 5e-4);
     }
-}
-
-TEST(CausticMesh, BandsLargerThanABufferAreDrawn) {
-    const scene::FrameScene scene = flat_pool(20, 8, 16);
-    const view::ReceiverLayer layer = test::receivers_on(scene, kPoolFloor, true);
-    layout::MeshCell cell{};
-    cell.corner_0 = layer.position[0] + glm::vec3(-1, 0, -1);
-    cell.corner_1 = layer.position[0] + glm::vec3(3, 0, -1);
-    cell.corner_2 = layer.position[0] + glm::vec3(3, 0, 3);
-    cell.corner_3 = layer.position[0] + glm::vec3(-1, 0, 3);
-    cell.normal = cell.facing = {0, 1, 0};
-    cell.tolerance = 0.1f;
-    cell.in_water = 1;
-    cell.center = {8, 8};
-    cell.edge_a = {8, 0};
-    cell.edge_b = {0, 8};
-    layout::MeshCell outside = cell;  // of the picture
-    outside.center = {-1000, -1000};
-    cell.irradiance_0 = cell.irradiance_1 = cell.irradiance_2 = cell.irradiance_3 = {1, 2, 3};
-
-    constexpr std::size_t kMost = 100;
-    caustic_mesh::CellRenderer renderer(test::validated_device(), kMost * sizeof(layout::MeshCell));
-    caustic_mesh::Cells cells;
-    cells.points.resize(3);
-    cells.points[1].assign(3 * kMost, outside);
-    cells.points[1].push_back(cell);
-    cells.points[2].push_back(cell);
-    renderer.add(cells);
-    EXPECT_EQ(renderer.points(), 3 * kMost + 2);
-    EXPECT_EQ(renderer.buffers(), 4u);
-    methods::LayerResult result;
-    FrameStats stats;
-    renderer.render(scene, true, {&layer, 1}, {&result, 1}, stats);
-    EXPECT_NEAR(result.irradiance[0].g, 4.0f, 1e-5f);  // of the two cells
 }
 
 TEST(CausticMesh, LightOfCellsWithoutAMeasureIsNamedLost) {

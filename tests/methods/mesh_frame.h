@@ -63,12 +63,12 @@ inline void look(scene::FrameScene& scene, glm::ivec2 pixels, double height, glm
     scene.state.camera.view_height = height;
 }
 
-inline std::vector<methods::LayerResult> draw_mesh(const scene::FrameScene& scene, light::Event event,
-                                                   std::span<const view::ReceiverLayer> layers,
-                                                   FrameStats& stats) {
+inline std::vector<methods::LayerResult> draw_mesh(
+    const scene::FrameScene& scene, light::Event event, std::span<const view::ReceiverLayer> layers,
+    FrameStats& stats, methods::RasterBackend backend = methods::RasterBackend::automatic) {
     const rays::RayScene rays(scene);
     methods::FrameContext context{scene, rays, validated_device(), stats, {{0, event}}};
-    methods::CausticMesh method;
+    methods::CausticMesh method(backend);
     method.begin(context);
     std::vector<methods::LayerResult> results(layers.size());
     method.irradiance(context, layers, results);

@@ -111,15 +111,15 @@ TEST(PhotonSplatting, DrawsByTheTypeOfTheDevice) {
     test::add_water(scene, test::gentle_sea(), 100, 100);
     test::look_down(scene, 64, 2);
     const std::vector<view::ReceiverLayer> layers = {test::receivers_on_level(scene, -1.5)};
-    const auto irradiance = [&](methods::SplatBackend backend) {
+    const auto irradiance = [&](methods::RasterBackend backend) {
         FrameStats stats;
         return test::splat(scene, {{0, light::Event::transmission}}, layers, stats, backend)[0].irradiance;
     };
-    const auto host = irradiance(methods::SplatBackend::host),
-               device = irradiance(methods::SplatBackend::device);
+    const auto host = irradiance(methods::RasterBackend::host),
+               device = irradiance(methods::RasterBackend::device);
     EXPECT_NE(host, device);  // by rounding
     const bool on_cpu = test::validated_device().info().type == gpu::DeviceType::cpu;
-    EXPECT_EQ(irradiance(methods::SplatBackend::automatic), on_cpu ? host : device);
+    EXPECT_EQ(irradiance(methods::RasterBackend::automatic), on_cpu ? host : device);
 }
 
 }  // namespace

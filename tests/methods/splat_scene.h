@@ -66,7 +66,7 @@ inline void look_down(scene::FrameScene& scene, int pixels, double view) {
 inline std::vector<methods::LayerResult> splat(
     const scene::FrameScene& scene, std::vector<light::Chain> chains,
     std::span<const view::ReceiverLayer> layers, FrameStats& stats,
-    methods::SplatBackend backend = methods::SplatBackend::automatic) {
+    methods::RasterBackend backend = methods::RasterBackend::automatic) {
     const rays::RayScene rays(scene);
     methods::FrameContext context{scene, rays, validated_device(), stats, std::move(chains)};
     methods::PhotonSplatting method(backend);

@@ -213,7 +213,7 @@ TEST(PhotonSplatting, LayersHaveTheSameBitsInAnyBatch) {
     std::vector<view::ReceiverLayer> layers;
     for (int sample = 0; sample < 5; ++sample) layers.push_back(receivers_on_level(scene, -1.5, sample));
     FrameStats stats;
-    for (const auto backend : {methods::SplatBackend::host, methods::SplatBackend::device}) {
+    for (const auto backend : {methods::RasterBackend::host, methods::RasterBackend::device}) {
         const auto together = splat(scene, {{0, light::Event::transmission}}, layers, stats, backend);
         for (std::size_t i = 0; i < layers.size(); ++i) {
             const auto alone =
@@ -236,7 +236,7 @@ TEST(PhotonSplatting, LightsOnlyReceiversInItsMediumThatFaceItOnItsPlane) {
         layers[5].shading_normal[i] = {1, 0, 0};
         layers[6].flags[i] = view::kEnvironment;
     }
-    for (const auto backend : {methods::SplatBackend::host, methods::SplatBackend::device}) {
+    for (const auto backend : {methods::RasterBackend::host, methods::RasterBackend::device}) {
         const auto results = splat(scene, {{0, light::Event::transmission}}, layers, stats, backend);
         for (std::size_t k = 0; k < layers.size(); ++k)
             for (std::size_t i = 0; i < layers[k].pixels(); ++i) {

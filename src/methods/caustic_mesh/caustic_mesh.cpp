@@ -16,14 +16,18 @@
 namespace dapple::methods {
 
 struct CausticMesh::State {
-    explicit State(gpu::Device& d) : device(&d), mapper(d), renderer(d) {}
+    State(gpu::Device& d, RasterBackend backend)
+        : device(&d),
+          mapper(d),
+          renderer(draws_on_device(d.info().type, backend) ? caustic_mesh::device_cell_renderer(d)
+                                                           : caustic_mesh::host_cell_renderer()) {}
     gpu::Device* device;
     light::CausticMapper mapper;
     light::Landings landings;  // memory that is used again
-    caustic_mesh::CellRenderer renderer;
+    std::unique_ptr<caustic_mesh::CellRenderer> renderer;
 };
 
-CausticMesh::CausticMesh() = default;
+CausticMesh::CausticMesh(RasterBackend backend) : backend_(backend) {}
 CausticMesh::~CausticMesh() = default;
 
 Support CausticMesh::supports_surface(const scene::FrameState& state) const {
@@ -49,7 +53,9 @@ std::size_t CausticMesh::bytes(const scene::FrameState& state, std::size_t pixel
     constexpr double kLanding = 4 + 12 + 4 + 1;
     // Cells of the paper's are triangles.
     const double cell = sizeof(layout::MeshCell) * (state.caustics.map.paper_faithful ? 2.0 : 1.0);
-    constexpr double kLayer = 4 * 5 * 16;  // of four layers: in, receivers, irradiance
+    // On a device four layers' receivers, in and out, and irradiance; on the host one layer, and lists of the
+    // cells that meet bands of rows.
+    constexpr double kDeviceLayer = 4 * 5 * 16, kHostLayer = 40, kListed = 20;
     // One map after another is drawn, landed and cut into cells, a stretch of them before it goes to the
     // device.
     const double stretch = std::min(maps.largest, static_cast<double>(caustic_mesh::kStretch));
@@ -57,15 +63,17 @@ std::size_t CausticMesh::bytes(const scene::FrameState& state, std::size_t pixel
     const double vertex =
         kLanding + (bounce ? mirrored_vertex_bytes(state) + sizeof(caustic_mesh::DiscImage) : 0);
     const double begin = maps.tracing + maps.largest * vertex + stretch * cell;
-    const double layers = maps.kept + maps.largest * kLanding + static_cast<double>(pixels) * kLayer;
+    const double cells = (bounce ? 2 : 1) * maps.photons, picture = static_cast<double>(pixels);
+    const double layers = maps.kept + maps.largest * kLanding +
+                          std::max(picture * kDeviceLayer, picture * kHostLayer + cells * kListed);
     constexpr double kMost = 0x1p61;  // maps of absurd size must not wrap around to a small number
-    return static_cast<std::size_t>(
-        std::min(kMost, (bounce ? 2 : 1) * maps.photons * cell + std::max(begin, layers)));
+    return static_cast<std::size_t>(std::min(kMost, cells * cell + std::max(begin, layers)));
 }
 
 void CausticMesh::begin(FrameContext& context) {
-    if (!state_ || state_->device != &context.device) state_ = std::make_unique<State>(context.device);
-    caustic_mesh::CellRenderer& renderer = state_->renderer;
+    if (!state_ || state_->device != &context.device)
+        state_ = std::make_unique<State>(context.device, backend_);
+    caustic_mesh::CellRenderer& renderer = *state_->renderer;
     renderer.clear();
     const media::Media media(context.scene);
     const scene::CausticMapParameters& map = context.scene.state.caustics.map;
@@ -113,8 +121,8 @@ void CausticMesh::begin(FrameContext& context) {
 
 void CausticMesh::irradiance(FrameContext& context, std::span<const view::ReceiverLayer> layers,
                              std::span<LayerResult> results) {
-    state_->renderer.render(context.scene, context.scene.state.caustics.map.paper_faithful, layers, results,
-                            context.stats);
+    state_->renderer->render(context.scene, context.scene.state.caustics.map.paper_faithful, layers, results,
+                             context.stats);
 }
 
 }  // namespace dapple::methods

@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "methods/caustic_method.h"
+#include "methods/raster_backend.h"
 
 namespace dapple::methods {
 
@@ -17,7 +18,7 @@ namespace dapple::methods {
 /// * cells at edges of objects are cut finer, by rays of their own, and laid onto each of the surfaces.
 class CausticMesh final : public CausticMethod {
 public:
-    CausticMesh();
+    explicit CausticMesh(RasterBackend backend = RasterBackend::automatic);
     ~CausticMesh() override;
     Support supports_surface(const scene::FrameState& state) const override;
     std::size_t bytes(const scene::FrameState& state, std::size_t pixels) const override;
@@ -27,6 +28,7 @@ public:
 
 private:
     struct State;
+    RasterBackend backend_;
     std::unique_ptr<State> state_;
 };
 

@@ -5,9 +5,9 @@
 #include "base/parallel.h"
 #include "gpu/pass_list.h"
 #include "layout/splat.h"
+#include "methods/draw_list.h"
 #include "methods/photon_splatting/receiver_code.h"
 #include "methods/photon_splatting/sample_place.h"
-#include "methods/photon_splatting/splat_list.h"
 #include "methods/photon_splatting/splat_renderer.h"
 #include "spirv/photon_splatting_box_1_frag.h"
 #include "spirv/photon_splatting_box_4_frag.h"
@@ -91,7 +91,7 @@ struct LayerImages {
 
 struct DeviceSplats {
     gpu::Buffer buffer;
-    std::span<Splat> splats() { return buffer.as<Splat>(); }
+    std::span<Splat> room() { return buffer.as<Splat>(); }
 };
 
 /// See device_splat_renderer().
@@ -125,7 +125,7 @@ private:
 
     gpu::Device& device_;
     std::optional<Pipelines> tents_, boxes_, paper_;
-    SplatList<DeviceSplats> points_, quads_;
+    DrawList<Splat, DeviceSplats> points_, quads_;
 };
 
 /// Made when first asked for: a run has one style.
@@ -153,7 +153,7 @@ void DeviceSplatRenderer::draw(gpu::PassList& passes, const SplatStyle& style, c
         targets.colors.push_back(&layer.irradiance);
         receivers.push_back(&layer.receivers);
     }
-    const auto add = [&](const gpu::RasterPipeline& pipeline, const SplatList<DeviceSplats>& splats,
+    const auto add = [&](const gpu::RasterPipeline& pipeline, const DrawList<Splat, DeviceSplats>& splats,
                          std::uint32_t vertices) {
         for (const auto& chunk : splats.chunks()) {
             if (chunk.count == 0) continue;

@@ -15,19 +15,8 @@
 
 namespace dapple::methods {
 
-namespace {
-
-/// By the device's type, never by timing, so that bits repeat. On lavapipe the rasteriser costs several times
-/// what the host's code does (tests/benchmarks/light/bench_caustic_map.cpp).
-bool draws_on_device(gpu::DeviceType type, SplatBackend backend) {
-    return backend == SplatBackend::device ||
-           (backend == SplatBackend::automatic && type != gpu::DeviceType::cpu);
-}
-
-}  // namespace
-
 struct PhotonSplatting::State {
-    State(gpu::Device& d, SplatBackend backend)
+    State(gpu::Device& d, RasterBackend backend)
         : device(&d),
           mapper(d),
           renderer(draws_on_device(d.info().type, backend) ? device_splat_renderer(d)
@@ -38,7 +27,7 @@ struct PhotonSplatting::State {
     std::unique_ptr<SplatRenderer> renderer;
 };
 
-PhotonSplatting::PhotonSplatting(SplatBackend backend) : backend_(backend) {}
+PhotonSplatting::PhotonSplatting(RasterBackend backend) : backend_(backend) {}
 PhotonSplatting::~PhotonSplatting() = default;
 
 Support PhotonSplatting::supports_surface(const scene::FrameState& state) const {

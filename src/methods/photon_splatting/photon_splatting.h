@@ -2,15 +2,9 @@
 #include <memory>
 
 #include "methods/caustic_method.h"
+#include "methods/raster_backend.h"
 
 namespace dapple::methods {
-
-/// What draws the splats.
-enum class SplatBackend {
-    automatic,  ///< by the type of the device
-    host,
-    device,
-};
 
 /// Photon splatting from a caustic map (Kougianos & Moustakas 2021, section 3). The vertices of the beam
 /// meshes are photons; each lights the receivers about its landing point by a footprint that the timeline
@@ -18,7 +12,7 @@ enum class SplatBackend {
 /// photon's lattice, so flat water comes out flat and flux is kept.
 class PhotonSplatting final : public CausticMethod {
 public:
-    explicit PhotonSplatting(SplatBackend backend = SplatBackend::automatic);
+    explicit PhotonSplatting(RasterBackend backend = RasterBackend::automatic);
     ~PhotonSplatting() override;
     Support supports_surface(const scene::FrameState& state) const override;
     std::size_t bytes(const scene::FrameState& state, std::size_t pixels) const override;
@@ -28,7 +22,7 @@ public:
 
 private:
     struct State;
-    SplatBackend backend_;
+    RasterBackend backend_;
     std::unique_ptr<State> state_;
 };
 
