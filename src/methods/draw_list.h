@@ -28,17 +28,6 @@ void stream(std::span<const Primitive> from, Primitive* to) {
     _mm_sfence();
 }
 
-/// Memory of the host for a DrawList.
-template <class Primitive>
-struct HostPiece {
-    LargeVector<Primitive> primitives;
-    std::span<Primitive> room() { return primitives; }
-};
-template <class Primitive>
-HostPiece<Primitive> host_piece(std::size_t room) {
-    return {LargeVector<Primitive>(room)};
-}
-
 /// What is drawn into pictures, in pieces of memory, of which room() is all.
 template <class Primitive, class Memory>
 class DrawList {

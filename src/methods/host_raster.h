@@ -104,11 +104,45 @@ private:
     glm::vec2 across_a_{0}, across_b_{0};  // 1/pixel: coordinates along the edges
 };
 
+/// Memory of the host for a DrawList.
+template <class Primitive>
+struct HostPiece {
+    LargeVector<Primitive> primitives;
+    std::span<Primitive> room() { return primitives; }
+};
+/// Points and quads alike, in the order in which they come.
+template <class Primitive>
+class HostPrimitives {
+public:
+    using List = DrawList<Primitive, HostPiece<Primitive>>;
+
+    void clear() {
+        list_.clear();
+        points_ = 0;
+    }
+    template <class Band>
+    void add(const std::vector<Band>& points, const std::vector<Band>& quads) {
+        const auto make = [](std::size_t room) { return HostPiece<Primitive>{LargeVector<Primitive>(room)}; };
+        const std::size_t before = list_.size();
+        list_.add(points, make);
+        points_ += list_.size() - before;
+        list_.add(quads, make);
+    }
+    std::size_t points() const { return points_; }
+    std::size_t quads() const { return list_.size() - points_; }
+    const List& list() const { return list_; }
+
+private:
+    static constexpr std::size_t kPieceBytes = std::size_t{6} << 20;
+    List list_{kPieceBytes / sizeof(Primitive)};
+    std::size_t points_ = 0;
+};
+
 /// Which primitives of a list meet each band of rows of pictures of a height. The list must stay as it is.
 template <class Primitive>
 class BandLists {
 public:
-    BandLists(const DrawList<Primitive, HostPiece<Primitive>>& list, int height)
+    BandLists(const typename HostPrimitives<Primitive>::List& list, int height)
         : lists_(list.chunks().size()) {
         const auto& chunks = list.chunks();
         parallel_for(chunks.size(), 1, [&](std::size_t begin, std::size_t end) {

@@ -209,8 +209,9 @@ std::vector<double> mirrored_within_ball(const scene::FrameState& state) {
     const double solid_angle = 2 * std::numbers::pi * (1 - std::sqrt(1 - sine * sine));
     std::vector<double> irradiance(static_cast<std::size_t>(width * width), 0);
     for (int i = 0; i < kRings * kSpokes; ++i) {
-        const double cosine = 1 - (i / kSpokes + 0.5) / kRings * solid_angle / (2 * std::numbers::pi);
-        const double turn = (i % kSpokes + 0.5) / kSpokes * 2 * std::numbers::pi;
+        const int ring = i / kSpokes, spoke = i % kSpokes;
+        const double cosine = 1 - (ring + 0.5) / kRings * solid_angle / (2 * std::numbers::pi);
+        const double turn = (spoke + 0.5) / kSpokes * 2 * std::numbers::pi;
         glm::dvec3 way =
             cosine * axis + std::sqrt(1 - cosine * cosine) * (std::cos(turn) * u + std::sin(turn) * v);
         const double middle = glm::dot(centre - spot.position, way);

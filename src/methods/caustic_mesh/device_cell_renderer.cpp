@@ -2,10 +2,9 @@
 #include <vector>
 
 #include "base/parallel.h"
-#include "gpu/pass_list.h"
 #include "layout/mesh_cell.h"
 #include "methods/caustic_mesh/cell_renderer.h"
-#include "methods/draw_list.h"
+#include "methods/device_raster.h"
 #include "spirv/caustic_mesh_cell_1_frag.h"
 #include "spirv/caustic_mesh_cell_4_frag.h"
 #include "spirv/caustic_mesh_cell_point_vert.h"
@@ -20,17 +19,6 @@ static_assert(sizeof(MeshCell) == 156);
 static_assert(sizeof(MeshPush) == 120);
 
 constexpr std::size_t kTile = 1 << 14;
-constexpr std::uint32_t kVerticesPerQuad = 6;
-
-gpu::RasterDescription additive(gpu::Topology topology, std::uint32_t layers) {
-    gpu::RasterDescription description;
-    description.interface = {
-        .storage_buffers = 1, .sampled_images = 2 * layers, .push_bytes = sizeof(MeshPush)};
-    description.topology = topology;
-    description.blend = gpu::Blend::add;
-    description.color_formats.assign(layers, gpu::Format::rgba32f);
-    return description;
-}
 
 void write_receivers(const view::ReceiverLayer& layer, std::span<glm::vec4> positions,
                      std::span<glm::vec4> normals) {
@@ -71,41 +59,25 @@ struct LayerImages {
     gpu::Image positions, normals, irradiance;
 };
 
-struct DeviceCells {
-    gpu::Buffer buffer;
-    std::span<MeshCell> room() { return buffer.as<MeshCell>(); }
-};
-
 /// See device_cell_renderer().
 class DeviceCellRenderer final : public CellRenderer {
 public:
     DeviceCellRenderer(gpu::Device& device, std::uint64_t largest)
         : device_(device),
           points_1_(device, "mesh cells", caustic_mesh_cell_point_vert, caustic_mesh_cell_1_frag,
-                    additive(gpu::Topology::points, 1)),
+                    additive<MeshPush>(gpu::Topology::points, 1, 2)),
           points_4_(device, "mesh cells of four layers", caustic_mesh_cell_point_vert,
-                    caustic_mesh_cell_4_frag, additive(gpu::Topology::points, 4)),
+                    caustic_mesh_cell_4_frag, additive<MeshPush>(gpu::Topology::points, 4, 2)),
           quads_1_(device, "large mesh cells", caustic_mesh_cell_quad_vert, caustic_mesh_cell_1_frag,
-                   additive(gpu::Topology::triangles, 1)),
+                   additive<MeshPush>(gpu::Topology::triangles, 1, 2)),
           quads_4_(device, "large mesh cells of four layers", caustic_mesh_cell_quad_vert,
-                   caustic_mesh_cell_4_frag, additive(gpu::Topology::triangles, 4)),
-          points_(std::min(largest, device.largest_storage_range()) / sizeof(MeshCell)),
-          quads_(std::min(largest, device.largest_storage_range()) / sizeof(MeshCell)) {}
+                   caustic_mesh_cell_4_frag, additive<MeshPush>(gpu::Topology::triangles, 4, 2)),
+          cells_(device, "mesh cells", largest) {}
 
-    void clear() override {
-        points_.clear();
-        quads_.clear();
-    }
-    void add(const Cells& cells) override {
-        const auto make = [&](std::size_t room) {
-            return DeviceCells{
-                gpu::Buffer(device_, "mesh cells", room * sizeof(MeshCell), gpu::BufferMemory::device)};
-        };
-        points_.add(cells.points, make);
-        quads_.add(cells.quads, make);
-    }
-    std::size_t points() const override { return points_.size(); }
-    std::size_t quads() const override { return quads_.size(); }
+    void clear() override { cells_.clear(); }
+    void add(const Cells& cells) override { cells_.add(cells.points, cells.quads); }
+    std::size_t points() const override { return cells_.points(); }
+    std::size_t quads() const override { return cells_.quads(); }
     void render(const scene::FrameScene& scene, bool at_point, std::span<const view::ReceiverLayer> layers,
                 std::span<LayerResult> results, FrameStats& stats) override;
 
@@ -121,32 +93,20 @@ private:
             receivers.push_back(&layer.positions);
             receivers.push_back(&layer.normals);
         }
-        const auto add = [&](const gpu::RasterPipeline& pipeline,
-                             const DrawList<MeshCell, DeviceCells>& cells, std::uint32_t vertices) {
-            for (const auto& chunk : cells.chunks()) {
-                if (chunk.count == 0) continue;
-                gpu::Bindings bindings{
-                    .buffers = {&chunk.memory.buffer}, .images = receivers, .writes = {}, .push = {}};
-                bindings.set_push(push);
-                passes.draw("mesh raster", pipeline, std::move(bindings), targets,
-                            {.vertices = vertices * static_cast<std::uint32_t>(chunk.count)});
-                targets.clear = false;
-            }
-        };
-        add(four ? points_4_ : points_1_, points_, 1);
-        add(four ? quads_4_ : quads_1_, quads_, kVerticesPerQuad);
+        cells_.draw(passes, "mesh raster", four ? points_4_ : points_1_, four ? quads_4_ : quads_1_,
+                    receivers, push, std::move(targets));
         for (LayerImages& layer : images) passes.copy("mesh raster", layer.irradiance, layer.positions_in);
     }
 
     gpu::Device& device_;
     gpu::RasterPipeline points_1_, points_4_, quads_1_, quads_4_;
-    DrawList<MeshCell, DeviceCells> points_, quads_;
+    DevicePrimitives<MeshCell> cells_;
 };
 
 void DeviceCellRenderer::render(const scene::FrameScene& scene, bool at_point,
                                 std::span<const view::ReceiverLayer> layers, std::span<LayerResult> results,
                                 FrameStats& stats) {
-    const bool nothing = points_.size() + quads_.size() == 0;
+    const bool nothing = points() + quads() == 0;
     for (std::size_t next = 0; next < layers.size();) {
         const std::size_t batch = layers.size() - next >= 4 && !nothing ? 4 : 1;
         const std::span<const view::ReceiverLayer> part = layers.subspan(next, batch);

@@ -18,8 +18,6 @@ using lanes::Vectors3;
 using layout::MeshCell;
 using layout::MeshPush;
 
-constexpr std::size_t kPieceCells = 1 << 15;
-
 /// See BandLists::draw().
 class CellBrush {
 public:
@@ -87,26 +85,17 @@ private:
 /// See host_cell_renderer().
 class HostCellRenderer final : public CellRenderer {
 public:
-    void clear() override {
-        cells_.clear();
-        points_ = quads_ = 0;
-    }
-    void add(const Cells& cells) override {
-        const std::size_t before = cells_.size();
-        cells_.add(cells.points, host_piece<MeshCell>);
-        points_ += cells_.size() - before;
-        cells_.add(cells.quads, host_piece<MeshCell>);
-        quads_ = cells_.size() - points_;
-    }
-    std::size_t points() const override { return points_; }
-    std::size_t quads() const override { return quads_; }
+    void clear() override { cells_.clear(); }
+    void add(const Cells& cells) override { cells_.add(cells.points, cells.quads); }
+    std::size_t points() const override { return cells_.points(); }
+    std::size_t quads() const override { return cells_.quads(); }
 
     void render(const scene::FrameScene& scene, bool at_point, std::span<const view::ReceiverLayer> layers,
                 std::span<LayerResult> results, FrameStats& stats) override {
         const ScopedPass pass(stats, "mesh raster");
         if (layers.empty()) return;
         MeshPush push = mesh_push(scene);
-        const BandLists<MeshCell> lists(cells_, layers[0].height);
+        const BandLists<MeshCell> lists(cells_.list(), layers[0].height);
         for (std::size_t i = 0; i < layers.size(); ++i) {
             push.filter_0 = filter_of(layers[i].sample, scene.state.clip.samples, at_point);
             HostLayer layer(layers[i], is_lit_by_cells,
@@ -117,8 +106,7 @@ public:
     }
 
 private:
-    DrawList<MeshCell, HostPiece<MeshCell>> cells_{kPieceCells};
-    std::size_t points_ = 0, quads_ = 0;
+    HostPrimitives<MeshCell> cells_;
 };
 
 }  // namespace

@@ -3,9 +3,8 @@
 #include <optional>
 
 #include "base/parallel.h"
-#include "gpu/pass_list.h"
 #include "layout/splat.h"
-#include "methods/draw_list.h"
+#include "methods/device_raster.h"
 #include "methods/photon_splatting/receiver_code.h"
 #include "methods/photon_splatting/sample_place.h"
 #include "methods/photon_splatting/splat_renderer.h"
@@ -27,16 +26,6 @@ static_assert(sizeof(Splat) == 96);
 static_assert(sizeof(SplatPush) == 24);
 
 constexpr std::size_t kTile = 1 << 14;
-constexpr std::uint32_t kVerticesPerQuad = 6;
-
-gpu::RasterDescription additive(gpu::Topology topology, std::uint32_t layers) {
-    gpu::RasterDescription description;
-    description.interface = {.storage_buffers = 1, .sampled_images = layers, .push_bytes = sizeof(SplatPush)};
-    description.topology = topology;
-    description.blend = gpu::Blend::add;
-    description.color_formats.assign(layers, gpu::Format::rgba32f);
-    return description;
-}
 
 void write_receivers(const view::ReceiverLayer& layer, const SamplePlace& place,
                      std::span<glm::vec4> texels) {
@@ -67,13 +56,13 @@ struct Pipelines {
     using Spirv = std::span<const std::uint32_t>;
     Pipelines(gpu::Device& device, Spirv one, Spirv four)
         : points_1(device, "splats", photon_splatting_splat_point_vert, one,
-                   additive(gpu::Topology::points, 1)),
+                   additive<SplatPush>(gpu::Topology::points, 1, 1)),
           points_4(device, "splats of four layers", photon_splatting_splat_point_vert, four,
-                   additive(gpu::Topology::points, 4)),
+                   additive<SplatPush>(gpu::Topology::points, 4, 1)),
           quads_1(device, "large splats", photon_splatting_splat_quad_vert, one,
-                  additive(gpu::Topology::triangles, 1)),
+                  additive<SplatPush>(gpu::Topology::triangles, 1, 1)),
           quads_4(device, "large splats of four layers", photon_splatting_splat_quad_vert, four,
-                  additive(gpu::Topology::triangles, 4)) {}
+                  additive<SplatPush>(gpu::Topology::triangles, 4, 1)) {}
     gpu::RasterPipeline points_1, points_4, quads_1, quads_4;
 };
 
@@ -89,31 +78,16 @@ struct LayerImages {
     gpu::Image irradiance;
 };
 
-struct DeviceSplats {
-    gpu::Buffer buffer;
-    std::span<Splat> room() { return buffer.as<Splat>(); }
-};
-
 /// See device_splat_renderer().
 class DeviceSplatRenderer final : public SplatRenderer {
 public:
     DeviceSplatRenderer(gpu::Device& device, std::size_t largest_buffer)
-        : device_(device), points_(largest_buffer / sizeof(Splat)), quads_(largest_buffer / sizeof(Splat)) {}
+        : device_(device), splats_(device, "splats", largest_buffer) {}
 
-    void clear() override {
-        points_.clear();
-        quads_.clear();
-    }
-    void add(const Splats& splats) override {
-        const auto make = [&](std::size_t room) {
-            return DeviceSplats{
-                gpu::Buffer(device_, "splats", room * sizeof(Splat), gpu::BufferMemory::device)};
-        };
-        points_.add(splats.points, make);
-        quads_.add(splats.quads, make);
-    }
-    std::size_t points() const override { return points_.size(); }
-    std::size_t quads() const override { return quads_.size(); }
+    void clear() override { splats_.clear(); }
+    void add(const Splats& splats) override { splats_.add(splats.points, splats.quads); }
+    std::size_t points() const override { return splats_.points(); }
+    std::size_t quads() const override { return splats_.quads(); }
     void render(const scene::FrameScene& scene, const SplatStyle& style,
                 std::span<const view::ReceiverLayer> layers, std::span<LayerResult> results,
                 FrameStats& stats) override;
@@ -125,7 +99,7 @@ private:
 
     gpu::Device& device_;
     std::optional<Pipelines> tents_, boxes_, paper_;
-    DrawList<Splat, DeviceSplats> points_, quads_;
+    DevicePrimitives<Splat> splats_;
 };
 
 /// Made when first asked for: a run has one style.
@@ -153,20 +127,8 @@ void DeviceSplatRenderer::draw(gpu::PassList& passes, const SplatStyle& style, c
         targets.colors.push_back(&layer.irradiance);
         receivers.push_back(&layer.receivers);
     }
-    const auto add = [&](const gpu::RasterPipeline& pipeline, const DrawList<Splat, DeviceSplats>& splats,
-                         std::uint32_t vertices) {
-        for (const auto& chunk : splats.chunks()) {
-            if (chunk.count == 0) continue;
-            gpu::Bindings bindings{
-                .buffers = {&chunk.memory.buffer}, .images = receivers, .writes = {}, .push = {}};
-            bindings.set_push(push);
-            passes.draw("splatting", pipeline, std::move(bindings), targets,
-                        {.vertices = vertices * static_cast<std::uint32_t>(chunk.count)});
-            targets.clear = false;
-        }
-    };
-    add(four ? with.points_4 : with.points_1, points_, 1);
-    add(four ? with.quads_4 : with.quads_1, quads_, kVerticesPerQuad);
+    splats_.draw(passes, "splatting", four ? with.points_4 : with.points_1,
+                 four ? with.quads_4 : with.quads_1, receivers, push, std::move(targets));
     for (LayerImages& layer : images) passes.copy("splatting", layer.irradiance, layer.staging);
 }
 
@@ -174,7 +136,7 @@ void DeviceSplatRenderer::render(const scene::FrameScene& scene, const SplatStyl
                                  std::span<const view::ReceiverLayer> layers, std::span<LayerResult> results,
                                  FrameStats& stats) {
     const SplatPush push = splat_push(scene);
-    const bool nothing = points_.size() + quads_.size() == 0;
+    const bool nothing = points() + quads() == 0;
     for (std::size_t next = 0; next < layers.size();) {
         const std::size_t batch = layers.size() - next >= 4 && !nothing ? 4 : 1;
         const std::span<const view::ReceiverLayer> part = layers.subspan(next, batch);

@@ -15,8 +15,6 @@ using lanes::lesser;
 using lanes::magnitude;
 using layout::Splat;
 
-constexpr std::size_t kPieceSplats = 1 << 16;
-
 /// Integral from -infinity of the tent max(0, 1 - |x|).
 Floats tent_integral(Floats x) {
     x = lesser(greater(x, all(-1.0f)), all(1.0f));
@@ -94,19 +92,10 @@ private:
 /// See host_splat_renderer().
 class HostSplatRenderer final : public SplatRenderer {
 public:
-    void clear() override {
-        splats_.clear();
-        points_ = quads_ = 0;
-    }
-    void add(const Splats& splats) override {
-        const std::size_t before = splats_.size();
-        splats_.add(splats.points, host_piece<Splat>);
-        points_ += splats_.size() - before;
-        splats_.add(splats.quads, host_piece<Splat>);
-        quads_ = splats_.size() - points_;
-    }
-    std::size_t points() const override { return points_; }
-    std::size_t quads() const override { return quads_; }
+    void clear() override { splats_.clear(); }
+    void add(const Splats& splats) override { splats_.add(splats.points, splats.quads); }
+    std::size_t points() const override { return splats_.points(); }
+    std::size_t quads() const override { return splats_.quads(); }
 
     void render(const scene::FrameScene& scene, const SplatStyle& style,
                 std::span<const view::ReceiverLayer> layers, std::span<LayerResult> results,
@@ -114,7 +103,7 @@ public:
         const ScopedPass pass(stats, "splatting");
         if (layers.empty()) return;
         const layout::SplatPush push = splat_push(scene);
-        const BandLists<Splat> lists(splats_, layers[0].height);
+        const BandLists<Splat> lists(splats_.list(), layers[0].height);
         for (std::size_t i = 0; i < layers.size(); ++i) {
             const SamplePlace place(layers[i].sample, scene.state.clip.samples, style.kernel.widened);
             HostLayer layer(layers[i], is_splatted,
@@ -130,8 +119,7 @@ public:
     }
 
 private:
-    DrawList<Splat, HostPiece<Splat>> splats_{kPieceSplats};
-    std::size_t points_ = 0, quads_ = 0;
+    HostPrimitives<Splat> splats_;
 };
 
 }  // namespace
