@@ -92,9 +92,10 @@ public:
 
 private:
     static std::array<int, 2> range(float center, float half, int low, int high) {
-        const auto first_from = [&](float edge) {
-            return static_cast<int>(
-                std::ceil(std::clamp(edge - 0.5f, static_cast<float>(low), static_cast<float>(high))));
+        const auto least = static_cast<float>(low), most = static_cast<float>(high);
+        const auto first_from = [&](float edge) {  // what is not a number has no pixels
+            const float first = edge - 0.5f;
+            return static_cast<int>(std::ceil(first > least ? std::min(first, most) : least));
         };
         return {first_from(center - half), first_from(center + half)};
     }
@@ -110,6 +111,7 @@ struct HostPiece {
     LargeVector<Primitive> primitives;
     std::span<Primitive> room() { return primitives; }
 };
+
 /// Points and quads alike, in the order in which they come.
 template <class Primitive>
 class HostPrimitives {
