@@ -1,5 +1,5 @@
-// Evaluates a splat's kernel at the receiver of the pixel, for LAYERS layers at once; host_splat_renderer.cpp does the same. `precise`, so that a layer has
-// the same bits in any batch.
+// Evaluates a splat's kernel at the receiver of the pixel, for LAYERS layers at once; host_splat_renderer.cpp does the
+// same. `precise`, so that a layer has the same bits in any batch.
 // LAYERS: 1 or 4. BOXES: kernels are boxes, else tents. DEPTH_TEST: as the paper tells receivers.
 #extension GL_EXT_scalar_block_layout : require
 #include "layout/splat.h"
