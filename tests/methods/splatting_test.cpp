@@ -267,7 +267,8 @@ TEST(PhotonSplatting, NamesTheLightOfFootprintsWithoutArea) {
     mesh.rows = mesh.columns = 4;
     mesh.texel = glm::mat2(0.25f);
     for (int i = 0; i < 16; ++i) {
-        const glm::vec3 off(static_cast<float>(i % 4), 0, static_cast<float>(i / 4));
+        const int column = i % 4, row = i / 4;
+        const glm::vec3 off(static_cast<float>(column), 0, static_cast<float>(row));
         mesh.origin.push_back(0.25f * off);
         mesh.slope.push_back(glm::vec3(0, -1, 0) - 0.125f * off);
     }
