@@ -26,6 +26,8 @@ public:
     void append_pieces(const glm::dvec3& origin, const glm::dvec3& direction, Interval overlap,
                        std::vector<Piece>& pieces) const;
     double density(const glm::dvec3& position) const;
+    /// Whether it is a grid; a box is evenly dense.
+    bool is_grid() const { return grid_.has_value(); }
 
     /// Where it lies: local = turn * position + shift is -1 to 1 in a box, the index of a grid.
     struct Place {

@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/constants.hpp>
+#include <optional>
 #include <vector>
 
 #include "base/hash.h"
 #include "base/parallel.h"
 #include "render/light_quadrature.h"
 #include "render/shading.h"
+#include "render/sun_depths.h"
 #include "scene/area_light.h"
 
 namespace dapple::render {
@@ -20,6 +22,11 @@ constexpr std::uint32_t kShiftDimension = 0x766c0000;
 
 double mean(const glm::dvec3& color) {
     return (color.x + color.y + color.z) / 3;
+}
+
+bool has_grids(const scene::FrameScene& scene) {
+    return std::any_of(scene.state.media.begin(), scene.state.media.end(),
+                       [](const scene::Medium& medium) { return medium.type == scene::MediumType::grid; });
 }
 
 /// A place of a segment, with the light that shares its shadow.
@@ -71,15 +78,15 @@ class TileLight {
 public:
     TileLight(const scene::FrameScene& scene, const media::Media& media, const rays::RayScene& rays,
               const std::vector<light::SpotPicture>& pictures, const view::SegmentLayer& layer,
-              std::span<glm::vec3> radiance)
+              const std::vector<std::optional<SunDepths>>& sun_depths, std::span<glm::vec3> radiance)
         : scene_(scene),
           media_(media),
           rays_(rays),
           pictures_(pictures),
           layer_(layer),
+          sun_depths_(sun_depths),
           radiance_(radiance),
-          even_(std::none_of(scene.state.media.begin(), scene.state.media.end(),
-                             [](const auto& medium) { return medium.type == scene::MediumType::grid; })) {}
+          even_(!has_grids(scene)) {}
 
     void add(std::size_t pixel) {
         for (std::uint32_t i = layer_.first[pixel]; i < layer_.first[pixel + 1]; ++i) {
@@ -126,7 +133,10 @@ private:
         for (const Cell& cell : cells_.cells)
             add_light_of_cell(light, cell, &cells_.densities[cell.first_density], even_, shares_);
         if (pictures_[index_of_light].exists()) add_picture(pictures_[index_of_light], light, shares_);
-        if (!even_) dim(light);
+        if (sun_depths_[index_of_light])
+            dim(segment, *sun_depths_[index_of_light]);
+        else if (!even_)
+            dim(light);
         if (!rays_.has_objects()) {
             for (const LightShare& share : shares_) radiance_[i] += glm::vec3(share.value);
             return;
@@ -160,6 +170,12 @@ private:
         }
     }
 
+    /// The same of the sun's light, share by share.
+    void dim(const Segment& segment, const SunDepths& depths) {
+        for (LightShare& share : shares_)
+            share.value *= glm::exp(-depths.depth(segment.at(0.5 * (share.begin + share.end))));
+    }
+
     /// m: of the disc as large as the pixel where the segment passes the lamp, and as the part of an area
     /// light that the lamp is.
     double pixel_radius(std::uint32_t i, const scene::Light& lamp) const {
@@ -177,6 +193,7 @@ private:
     const rays::RayScene& rays_;
     const std::vector<light::SpotPicture>& pictures_;
     const view::SegmentLayer& layer_;
+    const std::vector<std::optional<SunDepths>>& sun_depths_;  ///< a light: where they cost little
     std::span<glm::vec3> radiance_;
     bool even_;
     SegmentCells cells_;
@@ -193,8 +210,15 @@ void add_volumetric_direct_light(const scene::FrameScene& scene, const media::Me
                                  const rays::RayScene& rays, const view::SegmentLayer& segments,
                                  std::span<glm::vec3> radiance) {
     const std::vector<light::SpotPicture> pictures = light::spot_pictures(scene);
+    std::vector<std::optional<SunDepths>> sun_depths(scene.state.lights.size());
+    for (std::size_t i = 0; i < sun_depths.size(); ++i) {
+        const scene::Light& light = scene.state.lights[i];
+        if (light.type != scene::LightType::sun || !has_grids(scene)) continue;
+        sun_depths[i].emplace(media, sun_direction(light, segments.sample, scene.state.clip.samples));
+        if (!sun_depths[i]->fits()) sun_depths[i].reset();
+    }
     parallel_for(segments.first.size() - 1, kTile, [&](std::size_t begin, std::size_t end) {
-        TileLight tile(scene, media, rays, pictures, segments, radiance);
+        TileLight tile(scene, media, rays, pictures, segments, sun_depths, radiance);
         for (std::size_t pixel = begin; pixel < end; ++pixel) tile.add(pixel);
         tile.finish();
     });

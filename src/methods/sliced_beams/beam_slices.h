@@ -63,6 +63,13 @@ inline auto beside(const L& x0, const L& y0, const L& x1, const L& y1, const L& 
                            multiply_add(x1, v1, y1 * minus_u1)};
 }
 
+/// The same over [-1, 1] for the part about `middle` of half its size.
+template <class Real>
+inline Quadratic<Real> part_of(const Quadratic<Real>& whole, const Lanes<Real>& middle,
+                               const Lanes<Real>& half) {
+    return {whole(middle), half * multiply_add(Real(2) * whole.c2, middle, whole.c1), half * half * whole.c2};
+}
+
 /// A segment in an edge's own plane counts as moved by an infinitely small step along (1, e), so that one of
 /// the edge's two beams holds it (Edelsbrunner & Muecke 1990): c0 for it. `run`, `rise`: the edge at t = 1.
 template <class Real>

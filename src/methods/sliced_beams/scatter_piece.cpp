@@ -33,8 +33,10 @@ typename ScatterQuery<Real>::BeamRay ScatterQuery<Real>::ray(const L& t) const {
         return multiply_add(l1, splat(v1 - v0), multiply_add(l2, splat(v2 - v0), splat(v0)));
     };
     const auto& [c0, c1, c2] = corner_;
-    return {mix(c0.slope_a, c1.slope_a, c2.slope_a), mix(c0.slope_b, c1.slope_b, c2.slope_b),
-            mix(c0.start, c1.start, c2.start)};
+    return {mix(c0.slope_a, c1.slope_a, c2.slope_a),
+            mix(c0.slope_b, c1.slope_b, c2.slope_b),
+            mix(c0.start, c1.start, c2.start),
+            {splat(Real(1)) - l1 - l2, l1, l2}};
 }
 
 template <class Real>
@@ -59,10 +61,9 @@ typename ScatterQuery<Real>::Node ScatterQuery<Real>::node(const L& t) const {
 template <class Real>
 void ScatterQuery<Real>::add_piece(const L& enter, const L& leave, Mask<Real> mask) {
     if (uneven_) {
-        const bool dimmed = sheet_.coverage_.columns().dims(sheet_.coverage_.triangles()[beam_]);
+        const bool dimmed = sheet_.coverage_.columns().dims(beam_);
         const Mask<Real> uneven = dimmed ? mask : mask & uneven_->uneven;
-        for (unsigned lanes = bits(uneven); lanes != 0; lanes &= lanes - 1)
-            add_uneven(enter, leave, __builtin_ctz(lanes));
+        if (any(uneven)) add_uneven(enter, leave, uneven);
         mask &= ~uneven;
         if (!any(mask)) return;
     }
@@ -103,9 +104,7 @@ void ScatterQuery<Real>::add_thick(L enter, L leave, const L& from, const L& to,
 
 template <class Real>
 void ScatterQuery<Real>::weigh(const L& middle, const L& half, const Mask<Real>& mask, L (&weight)[3]) {
-    const L q0 = slices_.area(middle);
-    const L q1 = half * multiply_add(Real(2) * slices_.area.c2, middle, slices_.area.c1);
-    const L q2 = half * half * slices_.area.c2;
+    const auto [q0, q1, q2] = part_of(slices_.area, middle, half);
     const Real u = Real(kNodes[2]);
     const L even = multiply_add(q2, splat(u * u), q0);
     weight[0] = Real(kNodeWeights[0]) / magnitude(even - u * q1);
@@ -138,9 +137,7 @@ void ScatterQuery<Real>::add_thin(const L& enter, const L& leave, const Mask<Rea
 template <class Real>
 bool ScatterQuery<Real>::weigh_even(const L& middle, const L& half, const Mask<Real>& mask, L (&place)[2],
                                     L (&weight)[2]) {
-    const L q0 = slices_.area(middle);
-    const L q1 = half * multiply_add(Real(2) * slices_.area.c2, middle, slices_.area.c1);
-    const L q2 = half * half * slices_.area.c2;
+    const auto [q0, q1, q2] = part_of(slices_.area, middle, half);
     if (any(mask & ~(magnitude(q1) + Real(10) * magnitude(q2) <= Real(kTwoNodesEven) * magnitude(q0))))
         return false;
     constexpr Real u = Real(0.5773502691896258);  // Gauss & Legendre's rule, exact for degree three
@@ -244,95 +241,6 @@ void ScatterQuery<Real>::sum_up(const Node (&nodes)[kCount], L (&weight)[kCount]
         counts_.dropped += static_cast<std::size_t>(__builtin_popcount(bits(mask & ~finite)));
         (*target_)[channel] += (mask & finite) ? sum : L{};
     }
-}
-
-template <class Real>
-void ScatterQuery<Real>::add_uneven(const L& enter, const L& leave, int lane) {
-    const auto at = [lane](const L& v) { return static_cast<double>(v[lane]); };
-    const SegmentScatter& scatter = uneven_->scatter[lane];
-    const std::span<const double> places = scatter.places();
-    const double middle = at(middle_), half = at(half_);
-    const double first = std::max(middle + half * at(enter), scatter.first());
-    const double last = std::min(middle + half * at(leave), scatter.last());
-    if (!(first < last)) return;
-    auto piece =
-        static_cast<std::size_t>(std::upper_bound(places.begin(), places.end(), first) - places.begin()) - 1;
-    double light[3] = {};
-    for (double from = first; from < last; ++piece) {
-        const double to = std::min(last, places[piece + 1]);
-        if (from < to) add_part(scatter, piece, from, to, lane, light);
-        from = to;
-    }
-    for (int c = 0; c < 3; ++c) {
-        if (std::isfinite(light[c]))
-            (*target_)[c][lane] += static_cast<Real>(light[c]);
-        else
-            counts_.dropped += 1;
-    }
-}
-
-template <class Real>
-void ScatterQuery<Real>::add_part(const SegmentScatter& scatter, std::size_t piece, double from, double to,
-                                  int lane, double (&light)[3]) {
-    const auto at = [lane](const L& v) { return static_cast<double>(v[lane]); };
-    const double middle = at(middle_), scale = 1 / at(half_);
-    double t = (0.5 * (from + to) - middle) * scale;
-    const double half = 0.5 * (to - from) * scale;
-    const auto value = [&](const Quadratic<Real>& q) { return at(q.c0) + t * (at(q.c1) + t * at(q.c2)); };
-    // Integral over [-1, 1] of one over the area.
-    const double q0 = value(slices_.area);
-    const double q1 = half * (at(slices_.area.c1) + 2 * t * at(slices_.area.c2));
-    const double q2 = half * half * at(slices_.area.c2);
-    double weight[3];
-    if (std::abs(q1) + 3 * std::abs(q2) <= kEvenEnough * std::abs(q0) ||
-        !product_weights(q0, q1, q2, weight)) {
-        for (int j = 0; j < 3; ++j)
-            weight[j] = kNodeWeights[j] / std::abs(q0 + kNodes[j] * (q1 + kNodes[j] * q2));
-    }
-    const double density = static_cast<double>(flux_) * 0.5 * (weight[0] + weight[1] + weight[2]);
-    // What is scattered, and the centroid of it, at which the rest is taken.
-    const double centre = 0.5 * (from + to);
-    glm::dvec3 halves[2] = {};
-    for (std::size_t i = 0; i < uneven_->phases.size(); ++i) {
-        const glm::dvec3 first = scatter.scattered(i, piece, from);
-        const glm::dvec3 until = scatter.scattered(i, piece, centre);
-        const glm::dvec3 last = scatter.scattered(i, piece, to);
-        scattered_[i] = last - first;
-        halves[0] += until - first;
-        halves[1] += last - until;
-    }
-    const double before = halves[0].x + halves[0].y + halves[0].z;
-    const double after = halves[1].x + halves[1].y + halves[1].z;
-    if (!(before + after > 0)) return;
-    t += half * 2 / 3 * (after - before) / (before + after);
-    // The ray through it.
-    glm::dvec3 w(value(slices_.edge[0]), value(slices_.edge[1]), value(slices_.edge[2]));
-    const double whole = w.x + w.y + w.z;
-    w = whole != 0 ? w / whole : glm::dvec3(1.0 / 3);
-    glm::dvec3 slope(0, 0, 1);
-    double start = 0;
-    for (int k = 0; k < 3; ++k) {
-        slope.x += w[k] * static_cast<double>(corner_[k].slope_a);
-        slope.y += w[k] * static_cast<double>(corner_[k].slope_b);
-        start += w[k] * static_cast<double>(corner_[k].start);
-    }
-    const double depth = at(part_.depth) + t * at(part_.half_depth), stretch = glm::length(slope);
-    const glm::uvec3& triangle = sheet_.coverage_.triangles()[beam_];
-    glm::dvec3 dimmed(0);
-    if (sheet_.coverage_.columns().dims(triangle))
-        dimmed = sheet_.coverage_.columns().optical_depth(triangle, w, depth - start, direction_.shift);
-    const double way = std::max(0.0, (depth - start) * stretch);
-    for (int c = 0; c < 3; ++c) dimmed[c] += way * static_cast<double>(medium_.extinction[c]);
-    const glm::dvec3 seen(at(segments_.to_a), at(segments_.to_b), at(segments_.to_depth));
-    const glm::dvec3 turn = slope / stretch + seen;
-    const double squared_sine = 0.25 * glm::dot(turn, turn);
-    glm::dvec3 scattered(0);
-    for (std::size_t i = 0; i < uneven_->phases.size(); ++i)
-        if (scattered_[i] != glm::dvec3(0))
-            scattered +=
-                static_cast<double>(uneven_->phases[i].at(static_cast<Real>(squared_sine))) * scattered_[i];
-    for (int c = 0; c < 3; ++c)
-        light[c] += static_cast<double>(color_[c]) * density * stretch * std::exp(-dimmed[c]) * scattered[c];
 }
 
 template void ScatterQuery<float>::add_piece(const L&, const L&, Mask<float>);

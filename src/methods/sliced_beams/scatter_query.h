@@ -31,7 +31,8 @@ public:
           target_(&radiance),
           counts_(counts),
           color_(sheet.coverage_.sheet().color),
-          scattered_(uneven ? uneven->phases.size() : 0) {}
+          whole_(uneven ? uneven->phases.size() : 0),
+          scattered_(whole_.size()) {}
 
     void run();
 
@@ -75,6 +76,7 @@ private:
     /// The ray through a point of the beam.
     struct BeamRay {
         L slope_a, slope_b, start;
+        L share[3];  ///< of the beam's rays in it
     };
     BeamRay ray(const L& t) const;
     /// It, and what it loses and scatters.
@@ -114,9 +116,16 @@ private:
     template <int kCount>
     void sum_up(const Node (&nodes)[kCount], L (&weight)[kCount], const L& half, const Mask<Real>& mask);
 
-    /// One segment through bounded media: part by part of what it scatters, each with the exact integral of
-    /// one over the area and the rest in its middle.
-    void add_uneven(const L& enter, const L& leave, int lane);
+    /// Segments through bounded media, or beams that they dim.
+    void add_uneven(const L& enter, const L& leave, Mask<Real> mask);
+
+    /// Most intervals are so short that what is scattered on all of them, the mean of one over the area, and
+    /// the rest at the centroid are enough. Returns the lanes of which it is so.
+    Mask<Real> add_whole(const L& enter, const L& leave, const Mask<Real>& mask);
+
+    /// Piece by piece of what a segment scatters, each with the exact integral of one over the area and the
+    /// rest at its centroid.
+    void add_pieces(const L& enter, const L& leave, int lane);
 
     void add_part(const SegmentScatter& scatter, std::size_t piece, double from, double to, int lane,
                   double (&light)[3]);
@@ -153,7 +162,12 @@ private:
         bool after, before;
     };
     std::vector<Pair> pairs_;
+    struct ChannelLanes {
+        L channel[3];
+    };
+    std::vector<ChannelLanes> whole_;    ///< a component: scattered on intervals
     std::vector<glm::dvec3> scattered_;  ///< a component, of one part
+    std::size_t piece_[kLanes<Real>]{};  ///< of a segment, that was asked for last
 };
 
 }  // namespace dapple::methods::sliced_beams

@@ -82,10 +82,10 @@ SheetCoverage<Real>::SheetCoverage(const scene::FrameScene& scene, const rays::R
     steepest_a_ = extremes.steepest_a;
     steepest_b_ = extremes.steepest_b;
     if (sheet_.in_water()) extinction_ = scene.state.water->extinction();
-    if (lit && !scene.state.media.empty())
-        columns_ = RayColumns<Real>(std::make_shared<media::Media>(scene), sheet_);
     const std::span<const glm::uvec3> beams =
         lit ? std::span<const glm::uvec3>(scene.water->mesh.triangles) : std::span<const glm::uvec3>();
+    if (lit && !scene.state.media.empty())
+        columns_ = RayColumns<Real>(std::make_shared<media::Media>(scene), sheet_, beams);
     pyramid_ = std::make_unique<BeamPyramid<Real>>(sheet_, beams, lit ? extremes.first_start : 0, deepest);
 }
 

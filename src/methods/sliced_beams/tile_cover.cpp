@@ -31,7 +31,7 @@ void Tile<Real>::land_cluster(NodeId node, const LandingFrame<Real>& frame, LitC
     load(sheet_.sheet_, sheet_.triangles(), pyramid_.beams(node), rays);
     lit.beam = rays.beam;
     lit.dimmed = std::any_of(rays.beam.begin(), rays.beam.end(), [&](std::uint32_t beam) {
-        return beam != kNoBeam && sheet_.columns().dims(sheet_.triangles()[beam]);
+        return beam != kNoBeam && sheet_.columns().dims(beam);
     });
     lit.cut_by_surface = false;
     for (int c = 0; c < kChunks<Real>; ++c) {
@@ -194,22 +194,23 @@ void Tile<Real>::add_pair(const Local& local, const LitCluster<Real>& lit, int c
     if (!(irradiance.x + irradiance.y + irradiance.z > 0)) return;
     const Receiver<Real>& r = local.receiver;
     Vec3<Real> water(0), landed = r.position;
-    const glm::uvec3& triangle = sheet_.triangles()[lit.beam[static_cast<std::size_t>(chunk) * kLanes<Real> +
-                                                             static_cast<std::size_t>(lane)]];
+    const std::uint32_t beam =
+        lit.beam[static_cast<std::size_t>(chunk) * kLanes<Real> + static_cast<std::size_t>(lane)];
     // A beam landed on a line: its middle.
     const bool empty = part.weights[0] + part.weights[1] + part.weights[2] == 0;
-    if (lit.dimmed && sheet_.columns().dims(triangle)) {
+    if (lit.dimmed && sheet_.columns().dims(beam)) {
         const glm::dvec3 weights =
             empty ? glm::dvec3(1.0 / 3) : glm::dvec3(part.weights[0], part.weights[1], part.weights[2]);
         double below = 0;  // m along the axis
         for (int k = 0; k < 3; ++k)
             below += weights[k] * static_cast<double>(lit.landed[chunk].past_start[k][lane]);
-        irradiance *= Vec3<Real>(glm::exp(-sheet_.columns().optical_depth(triangle, weights, below)));
+        irradiance *= Vec3<Real>(glm::exp(-sheet_.columns().optical_depth(beam, weights, below)));
     }
     if (!lit.shade.any()) {
         irradiance_[local.index] += irradiance;
         return;
     }
+    const glm::uvec3& triangle = sheet_.triangles()[beam];
     Real px = 0, py = 0;
     for (int k = 0; k < 3; ++k) {
         const Real weight = empty ? Real(1) / 3 : part.weights[k];

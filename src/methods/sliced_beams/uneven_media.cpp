@@ -84,11 +84,16 @@ SegmentScatter::SegmentScatter(const media::Media& media, const glm::dvec3& orig
         const double parts =
             lit ? std::clamp(std::ceil(std::max(most / kThin, reach * height / kShort)), 1.0, kMostPieces)
                 : 1;
+        glm::dvec3 seen[3] = {{}, {}, glm::exp(-depth)};
         for (int part = 0; part < static_cast<int>(parts); ++part) {
             const double t0 = reach * part / parts, t1 = reach * (part + 1) / parts,
                          step = reach * height / parts;
-            const glm::dvec3 seen[3] = {glm::exp(-depth_at(t0)), glm::exp(-depth_at(0.5 * (t0 + t1))),
-                                        glm::exp(-depth_at(t1))};
+            seen[0] = seen[2];
+            seen[1] = glm::exp(-depth_at(0.5 * (t0 + t1)));
+            seen[2] = glm::exp(-depth_at(t1));
+            const glm::dvec3 rate = (depth_at(t1) - depth_at(t0)) / step;
+            const double densest = std::max({rate.x, rate.y, rate.z});
+            pieces_.push_back({static_cast<float>(begin + t0 * height), 0, static_cast<float>(densest)});
             place_.push_back(begin + t0 * height);
             for (std::size_t c = 0; c < components_; ++c) {
                 const glm::dvec3& scattering = components[c].scattering;
@@ -109,6 +114,24 @@ SegmentScatter::SegmentScatter(const media::Media& media, const glm::dvec3& orig
     place_.push_back(end);
     curve_.resize(lit_pieces * components_);
     for (std::size_t c = 0; c < components_; ++c) curve_.push_back({scattered[c], {}, {}});
+    pieces_.resize(lit_pieces);
+    for (std::size_t i = 1; i < lit_pieces; ++i)
+        pieces_[i].depth =
+            pieces_[i - 1].depth + pieces_[i - 1].rate * (pieces_[i].begin - pieces_[i - 1].begin);
+    cubics_.reserve(lit_pieces * components_);
+    const auto channels = [](const glm::dvec3& v) {
+        const glm::vec4 sum(v, v.x + v.y + v.z);
+        return Channels{sum.x, sum.y, sum.z, sum.w};
+    };
+    for (std::size_t i = 0; i < lit_pieces * components_; ++i) {
+        const Curve &from = curve_[i], &to = curve_[i + components_];
+        const double height = place_[i / components_ + 1] - place_[i / components_];
+        const glm::dvec3 change = (to.value - from.value) / height;
+        const glm::dvec3 rises(from.rises), arrives(from.arrives);
+        // Hermite's cubic.
+        cubics_.push_back({channels(rises), channels((3.0 * change - 2.0 * rises - arrives) / height),
+                           channels((rises + arrives - 2.0 * change) / (height * height))});
+    }
 }
 
 glm::dvec3 SegmentScatter::scattered(std::size_t component, std::size_t piece, double s) const {
