@@ -3,7 +3,9 @@
 // triangles into a map and of as many sprites of the same areas into one picture, all in one run. CPU seconds
 // of all threads, medians; parts and limits take turns, so that what else the machine does falls on both.
 //
-//     bench_caustic_map [repetitions] [photons along a side...]
+//     bench_caustic_map [repetitions] [footprint...] [photons along a side...]
+//
+// Footprints by the names that timelines have; without any, tents.
 #include <sys/resource.h>
 
 #include <algorithm>
@@ -302,10 +304,10 @@ private:
                     ms("bare shadows"), ms("bare landing"), ms("bare splatting"));
         std::printf(
             "  ratio: map to landing %.2f, with footprints %.2f; splatting %.2f, by the device %.2f; all "
-            "%.2f\n",
+            "%.2f, were splatting bare %.2f\n",
             traced / bare, pass / bare, ms("splatting") / ms("bare splatting"),
-            ms("rasteriser") / ms("bare splatting"),
-            (pass + ms("splatting")) / (bare + ms("bare splatting")));
+            ms("rasteriser") / ms("bare splatting"), (pass + ms("splatting")) / (bare + ms("bare splatting")),
+            (pass + ms("splatting")) / (bare + ms("splatting")));
         std::printf("  ns: a photon %.0f; splatting, a splat %.0f, a covered pixel %.1f\n",
                     1e6 * pass / photons, 1e6 * ms("splatting") / static_cast<double>(splats_),
                     1e6 * ms("splatting") / covered);
@@ -340,13 +342,32 @@ private:
 
 int main(int count, char** arguments) {
     const int repetitions = count > 1 ? std::max(1, std::atoi(arguments[1])) : 5;
+    const std::map<std::string, scene::PhotonFootprint> kinds = {
+        {"tent", scene::PhotonFootprint::tent},
+        {"fixed", scene::PhotonFootprint::fixed},
+        {"photon_differential", scene::PhotonFootprint::photon_differential},
+        {"photon_difference", scene::PhotonFootprint::photon_difference},
+        {"point", scene::PhotonFootprint::point}};
+    std::vector<std::string> footprints;
     std::vector<int> sides;
-    for (int i = 2; i < count; ++i) sides.push_back(std::max(1, std::atoi(arguments[i])));
+    for (int i = 2; i < count; ++i) {
+        if (kinds.contains(arguments[i]))
+            footprints.emplace_back(arguments[i]);
+        else
+            sides.push_back(std::max(1, std::atoi(arguments[i])));
+    }
+    if (footprints.empty()) footprints = {"tent"};
     if (sides.empty()) sides = {512, 1024, 2048};
     scene::FrameScene frame = test::pool_scene(kWidth, kHeight, kCells, 0.53);
     std::erase_if(frame.state.objects,
                   [](const scene::Object& o) { return o.shape == scene::Shape::sphere; });
     frame.object_meshes.resize(frame.state.objects.size());
     Bench bench(frame);
-    for (const int side : sides) bench.run(side, repetitions);
+    for (const std::string& footprint : footprints) {
+        frame.state.caustics.photon_splatting.footprint = kinds.at(footprint);
+        for (const int side : sides) {
+            std::printf("%s, ", footprint.c_str());
+            bench.run(side, repetitions);
+        }
+    }
 }
