@@ -252,11 +252,18 @@ const Structure& caustics_schema() {
                 .only_for(kMapMethods),
             choice<&Caustics::photon_splatting, &PhotonSplattingParameters::footprint>(
                 "footprint", {"tent", "fixed", "photon_differential", "photon_difference", "point"},
-                "what a photon lights where it lands")
+                "what a photon lights where it lands: tent, what reproduces linear light between its "
+                "neighbours' landing points; fixed, its cell of the map, whatever the water does to it; "
+                "photon_differential, its cell as the derivatives of its ray carry it; photon_difference, "
+                "its cell between its neighbours' rays; point, the sample's own part of a pixel, and with "
+                "paper_faithful Gruen's baseline: pixels, brightened by the cell's area on the water over "
+                "that "
+                "where it lands, 100 times at most")
                 .only_for({"photon_splatting"}),
             number<&Caustics::photon_splatting, &PhotonSplattingParameters::footprint_scale>(
                 "footprint_scale", Dimension::number,
-                "of the footprint's sides: larger ones blur, smaller ones leave gaps; flux stays")
+                "of the footprint's sides, the q_0 of Kougianos and Moustakas 2021, equation 16: larger ones "
+                "blur, smaller ones leave gaps; flux stays; not for point")
                 .within(0.01, 100)
                 .constant()
                 .only_for({"photon_splatting"}),
