@@ -2,18 +2,21 @@
 #include <gtest/gtest.h>
 
 #include "closed_form/beam_sheets.h"
+#include "closed_form/cloud.h"
 #include "closed_form/flat_scene.h"
-#include "grids/density_grid.h"
+#include "closed_form/segment_row.h"
 #include "media/media.h"
 #include "methods/sliced_beams/volume_light.h"
 
 namespace dapple {
 namespace {
 
+using test::Ends;
+
 constexpr double kIndex = 1.333;
 
-/// Flat water of cells `cell` m wide with a cloud of voxels 0.1 m apart in it, dense in the middle: its
-/// steepest change of density is 1.4 a metre.
+/// Flat water of cells `cell` m wide with a cloud of voxels 0.1 m apart in it; the steepest change of its
+/// density is 1.4 a metre.
 scene::FrameScene cloudy_pool(double cell, double extinction) {
     constexpr double size = 7;
     const int cells = static_cast<int>(size / cell);
@@ -26,25 +29,9 @@ scene::FrameScene cloudy_pool(double cell, double extinction) {
     cloud.extinction = extinction * glm::dvec3(0.5, 0.8, 1);
     cloud.albedo = {0.9, 0.8, 0.7};
     cloud.transform.position = {0, -1.3, 0};
-    constexpr int n = 21;
-    std::vector<float> values;
-    for (int z = 0; z < n; ++z) {
-        for (int y = 0; y < n; ++y) {
-            for (int x = 0; x < n; ++x) {
-                const glm::dvec3 p = 0.1 * glm::dvec3(x - 10, y - 10, z - 10);
-                values.push_back(
-                    static_cast<float>(std::exp(-4 * dot(p, p)) * (1 + 0.3 * std::sin(9 * p.x))));
-            }
-        }
-    }
-    scene.medium_grids = {
-        grids::DensityGrid::from_values(glm::ivec3(-10), glm::ivec3(n), values, glm::dmat4(glm::dmat3(0.1)))};
+    scene.medium_grids = {test::cloud(0.3)};
     return scene;
 }
-
-struct Ends {
-    glm::dvec3 from, to;
-};
 
 std::vector<Ends> segments() {
     std::vector<Ends> all;
@@ -65,18 +52,7 @@ std::vector<Ends> segments() {
 
 std::vector<glm::vec3> scattered(const scene::FrameScene& scene, const std::vector<Ends>& ends) {
     const test::SheetSet<float> set(scene, light::Event::transmission, 4);
-    view::SegmentLayer layer;
-    layer.width = static_cast<int>(ends.size());
-    layer.height = 1;
-    for (const auto& [from, to] : ends) {
-        layer.first.push_back(static_cast<std::uint32_t>(layer.origin.size()));
-        layer.origin.emplace_back(from);
-        layer.direction.emplace_back(glm::normalize(to - from));
-        layer.length.push_back(static_cast<float>(glm::length(to - from)));
-        layer.in_water.push_back(1);
-        layer.primary.push_back(1);
-    }
-    layer.first.push_back(static_cast<std::uint32_t>(layer.origin.size()));
+    const view::SegmentLayer layer = test::row_of_segments(ends);
     std::vector<glm::vec3> radiance(ends.size(), glm::vec3(0));
     FrameStats stats;
     methods::sliced_beams::ScatterCounts counts;

@@ -7,6 +7,7 @@
 #include "closed_form/beam_sheets.h"
 #include "closed_form/flat_scene.h"
 #include "closed_form/gentle_sea.h"
+#include "closed_form/segment_row.h"
 #include "gpu/validated_device.h"
 #include "methods/sliced_beams/sliced_beams.h"
 #include "methods/sliced_beams/volume_light.h"
@@ -17,27 +18,8 @@ namespace {
 
 using namespace methods::sliced_beams;
 using light::Event;
+using test::Ends;
 using test::SheetSet;
-
-struct Ends {
-    glm::dvec3 from, to;
-};
-
-view::SegmentLayer layer_of(const std::vector<Ends>& ends) {
-    view::SegmentLayer layer;
-    layer.width = static_cast<int>(ends.size());
-    layer.height = 1;
-    for (const auto& [from, to] : ends) {
-        layer.first.push_back(static_cast<std::uint32_t>(layer.origin.size()));
-        layer.origin.emplace_back(from);
-        layer.direction.emplace_back(glm::normalize(to - from));
-        layer.length.push_back(static_cast<float>(glm::length(to - from)));
-        layer.in_water.push_back(1);
-        layer.primary.push_back(1);
-    }
-    layer.first.push_back(static_cast<std::uint32_t>(layer.origin.size()));
-    return layer;
-}
 
 /// S of segments by all sheets of a scene, and what each side did of it.
 struct Scattered {
@@ -49,7 +31,7 @@ struct Scattered {
 Scattered scattered(const scene::FrameScene& scene, const SheetSet<float>& set, const std::vector<Ends>& ends,
                     ScatterPass* pass) {
     Scattered result;
-    const view::SegmentLayer layer = layer_of(ends);
+    const view::SegmentLayer layer = test::row_of_segments(ends);
     const VolumeLight light(scene, set.sheets(), result.stats, pass);
     result.values.resize(layer.segments(), glm::vec3(0));
     light.add(layer, result.values, result.cpu);
@@ -344,7 +326,7 @@ TEST(ScatterPass, IsChosenByTheTypeOfTheDevice) {
     scene::FrameScene scene = rough_pool(1, 20);
     scene.state.clip.samples = 1;
     const rays::RayScene rays(scene);
-    const view::SegmentLayer layer = layer_of(random_ends(8, 2));
+    const view::SegmentLayer layer = test::row_of_segments(random_ends(8, 2));
     gpu::Device& device = test::validated_device();
     const auto walked = [&](methods::CoverageBackend backend) {
         FrameStats stats;

@@ -6,6 +6,7 @@
 #include "closed_form/beam_sheets.h"
 #include "closed_form/flat_scene.h"
 #include "closed_form/gentle_sea.h"
+#include "closed_form/segment_row.h"
 #include "methods/sliced_beams/point_query.h"
 #include "methods/sliced_beams/scatter_sheet.h"
 #include "methods/sliced_beams/volume_light.h"
@@ -16,6 +17,7 @@ namespace {
 
 using namespace methods::sliced_beams;
 using light::Event;
+using test::Ends;
 using test::SheetSet;
 
 /// h of 24 gentle waves with its slopes, times `scale`.
@@ -33,10 +35,6 @@ test::HeightField sea(double scale) {
     };
 }
 
-struct Ends {
-    glm::dvec3 from, to;
-};
-
 /// S of segments by all sheets of a scene, as a layer of one row.
 struct Scattered {
     std::vector<glm::dvec3> values;
@@ -45,19 +43,8 @@ struct Scattered {
 
 Scattered scattered(const scene::FrameScene& scene, const SheetSet<float>& set, const std::vector<Ends>& ends,
                     int sample = 0) {
-    view::SegmentLayer layer;
-    layer.width = static_cast<int>(ends.size());
-    layer.height = 1;
+    view::SegmentLayer layer = test::row_of_segments(ends);
     layer.sample = sample;
-    for (const auto& [from, to] : ends) {
-        layer.first.push_back(static_cast<std::uint32_t>(layer.origin.size()));
-        layer.origin.emplace_back(from);
-        layer.direction.emplace_back(glm::normalize(to - from));
-        layer.length.push_back(static_cast<float>(glm::length(to - from)));
-        layer.in_water.push_back(from.y + to.y < 0 ? 1 : 0);
-        layer.primary.push_back(1);
-    }
-    layer.first.push_back(static_cast<std::uint32_t>(layer.origin.size()));
     FrameStats stats;
     const VolumeLight light(scene, set.sheets(), stats);
     std::vector<glm::vec3> radiance(layer.segments(), glm::vec3(0));

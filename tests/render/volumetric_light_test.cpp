@@ -7,7 +7,7 @@
 #include <glm/gtc/constants.hpp>
 #include <limits>
 
-#include "grids/density_grid.h"
+#include "closed_form/cloud.h"
 #include "light/gobo.h"
 #include "light/spot_picture.h"
 #include "optics/optics.h"
@@ -342,9 +342,8 @@ TEST(VolumetricLight, OfASlantingSunInABoxIsFineQuadrature) {
     }
 }
 
-/// Light of the sun in a cloud of voxels a tenth of a metre apart, dense in the middle, to fine quadrature,
-/// in four segments. `far_voxel`: the grid reaches that far.
-double worst_in_cloud(bool far_voxel) {
+/// Light of the sun in a cloud, to fine quadrature, in four segments. `width`: of its grid, voxels.
+double worst_in_cloud(int width) {
     LitSegments lit = sun_on_box();
     scene::Medium& cloud = lit.scene.state.media[0];
     cloud.type = scene::MediumType::grid;
@@ -352,29 +351,7 @@ double worst_in_cloud(bool far_voxel) {
     cloud.extinction = {1, 2, 4};
     cloud.albedo = {0.9, 0.9, 0.9};
     cloud.transform.position = {0, 3, 0};
-    constexpr int n = 21;
-    std::vector<float> values;
-    for (int z = 0; z < n; ++z) {
-        for (int y = 0; y < n; ++y) {
-            for (int x = 0; x < n; ++x) {
-                const glm::dvec3 p = 0.1 * glm::dvec3(x - 10, y - 10, z - 10);
-                values.push_back(
-                    static_cast<float>(std::exp(-4 * dot(p, p)) * (1 + 0.5 * std::sin(9 * p.x))));
-            }
-        }
-    }
-    glm::ivec3 size(n);
-    if (far_voxel) {
-        size.x = 20000;
-        std::vector<float> longer(static_cast<std::size_t>(size.x) * n * n, 0.0f);
-        for (std::size_t row = 0; row < static_cast<std::size_t>(n) * n; ++row)
-            std::copy_n(values.begin() + static_cast<std::ptrdiff_t>(row * n), n,
-                        longer.begin() + static_cast<std::ptrdiff_t>(row * static_cast<std::size_t>(size.x)));
-        longer.back() = 1e-6f;
-        values = std::move(longer);
-    }
-    lit.scene.medium_grids[0] =
-        grids::DensityGrid::from_values(glm::ivec3(-10), size, values, glm::dmat4(glm::dmat3(0.1)));
+    lit.scene.medium_grids[0] = test::cloud(0.5, width);
     lit.scene.state.lights[0].direction = glm::normalize(glm::dvec3(1, -0.7, 0.2));
     lit.add({-5, 2.9, 0.1}, {1, 0.02, 0.01}, 10, false);
     lit.add({2, 6, 4}, {-0.5, -0.75, -1}, 10, false);
@@ -407,7 +384,7 @@ double worst_in_cloud(bool far_voxel) {
 }
 
 TEST(VolumetricLight, OfTheSunInACloudIsFineQuadrature) {
-    const double worst = worst_in_cloud(false);
+    const double worst = worst_in_cloud(21);
     printf("cloud in the sun: off by %.1e\n", worst);
     // An optical depth of up to 3, linear between points half a voxel apart: bent by its density's ripples,
     // seven voxels long, it is off by up to (2 pi / 7)^2 / 32 of them, 0.01.
@@ -415,7 +392,7 @@ TEST(VolumetricLight, OfTheSunInACloudIsFineQuadrature) {
 }
 
 TEST(VolumetricLight, OfTheSunInAWideGridIsFineQuadrature) {
-    const double worst = worst_in_cloud(true);
+    const double worst = worst_in_cloud(20000);
     printf("cloud in the sun, of a wide grid: off by %.1e\n", worst);
     // Eight points of an optical depth (up to 3) that is no straight line between them: 1.6 % at most.
     EXPECT_LT(worst, 0.02);
