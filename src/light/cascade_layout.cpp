@@ -134,21 +134,26 @@ double inner_share(const CascadeBox& box, int axis, std::int64_t k) {
     return share_at(box, std::min(k - box.low[axis], box.high[axis] - k));
 }
 
-double own_inner_share(const CascadeBox& box, int axis, std::int64_t k) {
+glm::dvec2 CascadeLayout::margin(std::size_t cascade) const {
+    return cells == PhotonCells::tents ? first * boxes.back().texel : 0.5 * boxes[cascade].texel;
+}
+
+double own_inner_share(const CascadeBox& box, PhotonCells cells, int axis, std::int64_t k) {
     const std::int64_t before = floor_divided(k, box.ratio), beyond = k - before * box.ratio;
     const double low = inner_share(box, axis, before);
-    if (beyond == 0) return low;
+    if (beyond == 0 || cells == PhotonCells::boxes) return low;
     const double part = static_cast<double>(beyond) / static_cast<double>(box.ratio);
     return low + part * (inner_share(box, axis, before + 1) - low);
 }
 
-CascadeLayout lay_out_cascades(const scene::FrameState& state,
-                               const scene::CausticMapParameters& parameters) {
+CascadeLayout lay_out_cascades(const scene::FrameState& state, const scene::CausticMapParameters& parameters,
+                               PhotonCells cells) {
     const scene::Extent& extent = state.water->extent;
     CascadeLayout layout;
+    layout.cells = cells;
     const double wanted = set_sizes(state, parameters, layout);
     layout.corner = extent.center - 0.5 * extent.size;
-    const double first = first_place(layout);
+    layout.first = first_place(layout);
     const glm::dvec2 about = cascade_center(state, parameters);
     for (int axis = 0; axis < 2; ++axis) {
         const double most = kMostPlaces / static_cast<double>(layout.multiple(0));
@@ -158,15 +163,14 @@ CascadeLayout lay_out_cascades(const scene::FrameState& state,
                                         : std::llround(texels);
         const double outermost = extent.size[axis] / static_cast<double>(across);
         layout.extent_texels[axis] = across;
-        layout.margin[axis] = first * outermost;
         for (std::size_t c = 0; c < layout.boxes.size(); ++c)
             layout.boxes[c].texel[axis] = outermost / static_cast<double>(layout.multiple(c));
     }
-    layout.base = layout.corner + layout.margin;
     for (std::size_t c = 0; c < layout.boxes.size(); ++c) {
         CascadeBox& box = layout.boxes[c];
         const bool last = c + 1 == layout.boxes.size();
-        const glm::dvec2 step = last ? box.texel : layout.boxes[c + 1].texel;
+        const glm::dvec2 step = last ? box.texel : layout.boxes[c + 1].texel,
+                         base = layout.base(last ? c : c + 1);
         const glm::dvec2 steps = glm::max(glm::round(box.size / step), glm::dvec2(last ? 1 : 2));
         if (!last)
             box.ramp =
@@ -175,7 +179,7 @@ CascadeLayout lay_out_cascades(const scene::FrameState& state,
             const double ramps = last ? 0 : 2 * static_cast<double>(box.ramp) * step[axis];
             const double center =
                 held_center(about[axis], extent.center[axis], extent.size[axis], box.size - ramps);
-            const double lowest = center - 0.5 * steps[axis] * step[axis] - layout.base[axis];
+            const double lowest = center - 0.5 * steps[axis] * step[axis] - base[axis];
             box.low[axis] = std::llround(lowest / step[axis] + (last ? 0.5 : 0.0));
             box.high[axis] = box.low[axis] + static_cast<std::int64_t>(steps[axis]);
             if (c == 0) continue;

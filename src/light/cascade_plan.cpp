@@ -17,7 +17,7 @@ TexelRange water_range(const CascadeLayout& layout, std::size_t cascade, int axi
     const std::int64_t multiple = layout.multiple(cascade);
     const double texel = layout.boxes[cascade].texel[axis];
     const std::int64_t across = layout.extent_texels[axis] * multiple;
-    const std::int64_t first = -static_cast<std::int64_t>(std::floor(layout.margin[axis] / texel));
+    const std::int64_t first = -static_cast<std::int64_t>(std::floor(layout.margin(cascade)[axis] / texel));
     const int widest =
         border_texels(thrown, outermost.texel[axis], static_cast<double>(layout.extent_texels[axis]), capped);
     const double own = thrown > 0 ? std::ceil(std::min(thrown / texel, 1e15)) : 0;
@@ -40,9 +40,11 @@ RingRanges ring_ranges(const CascadeLayout& layout, std::size_t cascade, glm::dv
     for (int axis = 0; axis < 2; ++axis) {
         TexelRange& map = ranges.map[axis];
         map = water_range(layout, cascade, axis, thrown[axis], ranges.capped);
-        // A box's ends are among its texels: what carries nothing there still is a neighbour of what does.
+        // A box's ends are among its texels: what carries nothing there still is a neighbour of what does. Of
+        // boxes all texels of the coarser one's at the lower end carry nothing.
+        const std::int64_t dark = layout.cells == PhotonCells::boxes ? box.ratio - 1 : 0;
         if (!last)
-            map = {std::max(map.low, box.low[axis] * box.ratio),
+            map = {std::max(map.low, box.low[axis] * box.ratio + dark),
                    std::min(map.high, box.high[axis] * box.ratio)};
         else if (!layout.whole)
             map = {std::max(map.low, box.low[axis]), std::min(map.high, box.high[axis] - 1)};
@@ -75,14 +77,15 @@ bool place_map(const scene::FrameScene& scene, const CascadeLayout& layout, std:
 
     // Places are counted from one near the frame's origin, where floats tell them apart best.
     const glm::dvec2 origin(scene.origin.x, scene.origin.z);
-    const glm::i64vec2 near(glm::round((origin - layout.base) / box.texel));
-    plan.anchor = layout.base + (glm::dvec2(near) - 0.5) * box.texel;
+    const glm::dvec2 base = layout.base(cascade);
+    const glm::i64vec2 near(glm::round((origin - base) / box.texel));
+    plan.anchor = base + (glm::dvec2(near) - 0.5) * box.texel;
     plan.first = glm::i64vec2(map[0].low, map[1].low) - near;
 
     if (plan.parts.empty()) return false;
     const auto shares = [&](int axis, std::vector<double>& outer, std::vector<double>& inner) {
         for (std::int64_t k = map[axis].low; k <= map[axis].high; ++k) {
-            outer.push_back(last ? 1 : own_inner_share(box, axis, k));
+            outer.push_back(last ? 1 : own_inner_share(box, layout.cells, axis, k));
             inner.push_back(finer != nullptr ? inner_share(*finer, axis, k) : 0);
         }
     };
@@ -96,14 +99,14 @@ bool place_map(const scene::FrameScene& scene, const CascadeLayout& layout, std:
 }  // namespace
 
 std::vector<MapPlan> plan_cascades(const scene::FrameScene& scene, int light,
-                                   const scene::CausticMapParameters& parameters) {
+                                   const scene::CausticMapParameters& parameters, PhotonCells cells) {
     if (!plan_projection(scene, light).lit) return {plan_projection(scene, light)};
     if (parameters.paper_faithful) return plan_paper_cascades(scene, light, parameters);
     if (parameters.cascades == 1 && !(parameters.inner_size > 0)) {
         const double size = inner_box_size(scene.state, parameters);
         return {plan_map(scene, light, cascade_resolution(parameters, 0, size))};
     }
-    const CascadeLayout layout = lay_out_cascades(scene.state, parameters);
+    const CascadeLayout layout = lay_out_cascades(scene.state, parameters, cells);
     std::vector<MapPlan> plans;
     for (std::size_t cascade = 0; cascade < layout.boxes.size(); ++cascade) {
         MapPlan plan = plan_projection(scene, light);

@@ -338,19 +338,20 @@ std::vector<BeamMesh> CausticMapper::trace(const scene::FrameScene& scene, const
                                            int light, const std::vector<Event>& events,
                                            const scene::CausticMapParameters& parameters, FrameStats& stats) {
     std::vector<BeamMesh> all;
-    trace_each(scene, rays, light, events, parameters, stats, [&](std::span<BeamMesh> meshes) {
-        all.insert(all.end(), std::move_iterator(meshes.begin()), std::move_iterator(meshes.end()));
-    });
+    trace_each(
+        scene, rays, light, events, parameters, PhotonCells::tents, stats, [&](std::span<BeamMesh> meshes) {
+            all.insert(all.end(), std::move_iterator(meshes.begin()), std::move_iterator(meshes.end()));
+        });
     return all;
 }
 
 void CausticMapper::trace_each(const scene::FrameScene& scene, const rays::RayScene& rays, int light_index,
                                const std::vector<Event>& events,
-                               const scene::CausticMapParameters& parameters, FrameStats& stats,
-                               const std::function<void(std::span<BeamMesh>)>& take) {
+                               const scene::CausticMapParameters& parameters, PhotonCells cells,
+                               FrameStats& stats, const std::function<void(std::span<BeamMesh>)>& take) {
     const scene::Light& light = scene.state.lights[static_cast<std::size_t>(light_index)];
     const glm::dvec3 color = light.type == scene::LightType::sun ? light.irradiance : light.intensity;
-    const std::vector<MapPlan> plans = plan_cascades(scene, light_index, parameters);
+    const std::vector<MapPlan> plans = plan_cascades(scene, light_index, parameters, cells);
     if (plans.empty() || events.empty()) return;
     std::optional<WaterBuffers> water;
     if (plans.front().lit) {

@@ -9,6 +9,7 @@
 #include "base/stats.h"
 #include "gpu/device.h"
 #include "light/beam_mesh.h"
+#include "light/cascade_layout.h"
 #include "rays/ray_scene.h"
 #include "scene/frame_scene.h"
 
@@ -33,10 +34,12 @@ public:
                                 const std::vector<Event>& events,
                                 const scene::CausticMapParameters& parameters, FrameStats& stats);
     /// The same, handed over a cascade at a time, in the same order: no more than one map and its meshes take
-    /// memory. It is used again for the next ones, in the next frame too.
+    /// memory. It is used again for the next ones, in the next frame too. `cells`: what cascades' photons are
+    /// made into.
     void trace_each(const scene::FrameScene& scene, const rays::RayScene& rays, int light,
                     const std::vector<Event>& events, const scene::CausticMapParameters& parameters,
-                    FrameStats& stats, const std::function<void(std::span<BeamMesh>)>& take);
+                    PhotonCells cells, FrameStats& stats,
+                    const std::function<void(std::span<BeamMesh>)>& take);
 
 private:
     struct State;

@@ -69,6 +69,16 @@ double sum_of_tents(const std::vector<MapPlan>& plans, glm::dvec2 point) {
     return sum;
 }
 
+/// The same where photons are even over their texels.
+double sum_of_boxes(const std::vector<MapPlan>& plans, glm::dvec2 point) {
+    double sum = 0;
+    for (const MapPlan& plan : plans) {
+        const glm::dvec2 at = glm::floor(plan.texel_of(point));
+        sum += share_or_none(plan, static_cast<int>(at.x), static_cast<int>(at.y));
+    }
+    return sum;
+}
+
 std::size_t carrying(const MapPlan& plan) {
     std::size_t count = 0;
     for (int row = 0; row < plan.rows; ++row)
@@ -85,15 +95,18 @@ TEST(Cascades, SharesSumToOneAtEveryPointOfTheWater) {
                     SCOPED_TRACE(testing::Message() << "s " << scale << ", N " << cascades << ", camera "
                                                     << camera.x << ", R " << resolution);
                     const scene::FrameScene scene = sea_scene(size, camera);
-                    const std::vector<MapPlan> plans =
-                        plan_cascades(scene, 0, parameters(cascades, scale, resolution));
+                    const scene::CausticMapParameters map = parameters(cascades, scale, resolution);
+                    const std::vector<MapPlan> plans = plan_cascades(scene, 0, map);
+                    const std::vector<MapPlan> even = plan_cascades(scene, 0, map, light::PhotonCells::boxes);
                     ASSERT_EQ(plans.size(), static_cast<std::size_t>(cascades));
+                    ASSERT_EQ(even.size(), static_cast<std::size_t>(cascades));
                     double worst = 0;
                     for (std::uint32_t i = 0; i < 2000; ++i) {
                         const glm::dvec2 random(hash_uniform(7, 0, i, 0), hash_uniform(7, 0, i, 1));
                         // Photons lie beyond the edges too, where waves may be thrown to.
                         const glm::dvec2 point = scene.state.water->extent.center + (random - 0.5) * size;
-                        worst = std::max(worst, std::abs(sum_of_tents(plans, point) - 1));
+                        worst = std::max({worst, std::abs(sum_of_tents(plans, point) - 1),
+                                          std::abs(sum_of_boxes(even, point) - 1)});
                     }
                     EXPECT_LT(worst, 1e-12);  // round-off of double
                 }
@@ -286,7 +299,7 @@ TEST(Cascades, MemoryIsForeseenAndOnlyOneMapsAtOnce) {
                 for (const light::TexelBox& part : plan.parts)
                     traced += static_cast<double>(part.columns) * part.rows;
             FrameStats stats;
-            mapper.trace_each(scene, rays, 0, {Event::transmission}, map, stats,
+            mapper.trace_each(scene, rays, 0, {Event::transmission}, map, light::PhotonCells::tents, stats,
                               [&](std::span<BeamMesh> meshes) {
                                   ASSERT_EQ(meshes.size(), 1u);
                                   EXPECT_EQ(meshes[0].cascade, static_cast<int>(taken++));

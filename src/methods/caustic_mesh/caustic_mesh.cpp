@@ -112,7 +112,7 @@ void CausticMesh::begin(FrameContext& context) {
                 lay_cells(sent.mesh, sent.landings);
         };
         state_->mapper.trace_each(
-            context.scene, context.rays, light, events, map, context.stats,
+            context.scene, context.rays, light, events, map, light::PhotonCells::tents, context.stats,
             [&](std::span<light::BeamMesh> meshes) { std::for_each(meshes.begin(), meshes.end(), lay); });
     }
     context.stats.count("mesh cells", static_cast<double>(renderer.points() + renderer.quads()));

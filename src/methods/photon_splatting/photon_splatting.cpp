@@ -76,6 +76,8 @@ void PhotonSplatting::begin(FrameContext& context) {
     const media::Media media(context.scene);
     const scene::CausticMapParameters& map = context.scene.state.caustics.map;
     const SplatStyle style = splat_style(context.scene.state.caustics);
+    const light::PhotonCells cells =
+        style.kernel.shape == KernelShape::tent ? light::PhotonCells::tents : light::PhotonCells::boxes;
     for (std::size_t next = 0; next < context.chains.size();) {
         // Chains of one light share its map.
         const int light = context.chains[next].light;
@@ -109,7 +111,7 @@ void PhotonSplatting::begin(FrameContext& context) {
                 add(sent.mesh, sent.landings);
         };
         state_->mapper.trace_each(
-            context.scene, context.rays, light, events, map, context.stats,
+            context.scene, context.rays, light, events, map, cells, context.stats,
             [&](std::span<light::BeamMesh> meshes) { std::for_each(meshes.begin(), meshes.end(), splat); });
     }
     context.stats.count("splats", static_cast<double>(renderer.points() + renderer.quads()));

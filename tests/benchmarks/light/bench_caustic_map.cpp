@@ -231,8 +231,8 @@ private:
         };
         int columns = 0, rows = 0;
         const Meter tracing;
-        mapper_.trace_each(frame_, rays_, 0, {light::Event::transmission}, frame_.state.caustics.map, stats,
-                           [&](std::span<light::BeamMesh> meshes) {
+        mapper_.trace_each(frame_, rays_, 0, {light::Event::transmission}, frame_.state.caustics.map,
+                           light::PhotonCells::tents, stats, [&](std::span<light::BeamMesh> meshes) {
                                tracing.stop(costs, "tracing");
                                const light::BeamMesh& mesh = meshes[0];
                                columns = mesh.columns;
