@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <glm/glm.hpp>
 #include <vector>
@@ -140,22 +141,23 @@ private:
     std::size_t points_ = 0;
 };
 
+/// Bytes of BandLists a primitive: its place, in lists that grow by doubling, in one band or a second one.
+inline constexpr double kListedBytes = 10;
+
 /// Which primitives of a list meet each band of rows of pictures of a height. The list must stay as it is.
 template <class Primitive>
 class BandLists {
 public:
     BandLists(const typename HostPrimitives<Primitive>::List& list, int height)
-        : lists_(list.chunks().size()) {
-        const auto& chunks = list.chunks();
-        parallel_for(chunks.size(), 1, [&](std::size_t begin, std::size_t end) {
+        : chunks_(list.chunks()), lists_(chunks_.size()) {
+        parallel_for(chunks_.size(), 1, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
                 lists_[i].resize(static_cast<std::size_t>((height + kRows - 1) / kRows));
-                for (std::size_t k = 0; k < chunks[i].count; ++k) {
-                    const Primitive& primitive = chunks[i].memory.primitives[k];
-                    const auto [top, bottom] = Extent(primitive).rows(0, height);
+                for (std::size_t k = 0; k < chunks_[i].count; ++k) {
+                    const auto [top, bottom] = Extent(chunks_[i].memory.primitives[k]).rows(0, height);
                     if (top >= bottom) continue;
                     for (int band = top / kRows; band <= (bottom - 1) / kRows; ++band)
-                        lists_[i][static_cast<std::size_t>(band)].push_back(&primitive);
+                        lists_[i][static_cast<std::size_t>(band)].push_back(static_cast<std::uint32_t>(k));
                 }
             }
         });
@@ -167,10 +169,11 @@ public:
     void draw(HostLayer& layer, const Constants& constants) const {
         parallel_for(
             static_cast<std::size_t>(layer.height()), kRows, [&](std::size_t begin, std::size_t end) {
-                for (const auto& of_chunk : lists_)
-                    for (const Primitive* primitive : of_chunk[begin / kRows]) {
-                        const Extent extent(*primitive);
-                        const Brush brush(*primitive, constants);
+                for (std::size_t i = 0; i < lists_.size(); ++i)
+                    for (const std::uint32_t k : lists_[i][begin / kRows]) {
+                        const Primitive& primitive = chunks_[i].memory.primitives[k];
+                        const Extent extent(primitive);
+                        const Brush brush(primitive, constants);
                         const auto [top, bottom] =
                             extent.rows(static_cast<int>(begin), static_cast<int>(end));
                         const auto [left, right] = extent.columns(layer.width());
@@ -186,7 +189,9 @@ public:
 
 private:
     static constexpr int kRows = 16;
-    std::vector<std::vector<std::vector<const Primitive*>>> lists_;  // of a chunk, of a band
+    const std::vector<typename HostPrimitives<Primitive>::List::Chunk>& chunks_;
+    /// Of a chunk, of a band: places in the chunk.
+    std::vector<std::vector<std::vector<std::uint32_t>>> lists_;
 };
 
 }  // namespace dapple::methods

@@ -58,11 +58,12 @@ Film::Film(int width, int height, int samples, const scene::Sky& sky, bool volum
     for (auto* sum : {&alpha_, &covered_, &depth_}) sum->assign(pixels, 0);
 }
 
-std::size_t Film::bytes_per_pixel(bool volume) {
-    constexpr std::size_t sums = 9 * sizeof(glm::vec3) + 3 * sizeof(float);
-    constexpr std::size_t volume_part = 2 * sizeof(glm::vec3) + kVolumeChannels * sizeof(float);
-    return sums + kMostMethodChannels * sizeof(float) + (kOwnChannels + kMostMethodChannels) * sizeof(float) +
-           (volume ? volume_part : 0);
+std::size_t Film::sum_bytes_per_pixel(bool volume) {
+    return (9 + (volume ? 2 : 0)) * sizeof(glm::vec3) + (3 + kMostMethodChannels) * sizeof(float);
+}
+
+std::size_t Film::picture_bytes_per_pixel(bool volume) {
+    return (kOwnChannels + kMostMethodChannels + (volume ? kVolumeChannels : 0)) * sizeof(float);
 }
 
 void Film::add(const view::ReceiverLayer& layer, LayerShading shading, glm::dvec3 origin) {

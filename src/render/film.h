@@ -38,8 +38,8 @@ public:
     void add(const view::ReceiverLayer& layer, LayerShading shading, glm::dvec3 origin);
     /// The layers of CONVENTIONS.md. What is not finite becomes 0 and is counted.
     image::Image finish(NonFinite& non_finite) const;
-    /// Bytes of the sums and of the image that they become, a pixel.
-    static std::size_t bytes_per_pixel(bool volume);
+    static std::size_t sum_bytes_per_pixel(bool volume);
+    static std::size_t picture_bytes_per_pixel(bool volume);  ///< of what finish() makes of the sums
 
 private:
     int width_;

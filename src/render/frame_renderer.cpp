@@ -46,7 +46,8 @@ constexpr std::size_t kSegmentsAPixel = 2;
 
 /// Of the water: positions and normals in double, and what is needed beside them while they are made; indices
 /// and Embree's tree (141 MB for 2.1 M triangles, measured).
-constexpr std::size_t kWaterVertexBytes = 2 * sizeof(glm::dvec3) + 8 * sizeof(double);
+constexpr std::size_t kWaterVertexBytes = 2 * sizeof(glm::dvec3);
+constexpr std::size_t kWaterMakingBytes = 8 * sizeof(double);
 constexpr std::size_t kWaterTriangleBytes = sizeof(glm::uvec3) + 70;
 
 std::size_t pixels(const scene::Clip& clip) {
@@ -348,19 +349,21 @@ std::size_t FrameRenderer::State::other_bytes(const scene::FrameState& given) {
     const double side = pixels_a_side(state.caustics.buffer_scale);
     const double buffer = side > 1 ? kLayerBytes * (1 + 1 / (side * side)) : 0;
     const double a_layer = static_cast<double>(kLayerBytes + (volume ? 2 * sizeof(glm::vec3) : 0)) + buffer;
-    const double a_pixel = static_cast<double>(Film::bytes_per_pixel(volume)) +
-                           static_cast<double>(batch_size(state.clip)) * a_layer +
-                           static_cast<double>(volume ? kSegmentsAPixel * kSegmentBytes : 0);
+    // Layers are gone when the film's sums become the picture.
+    const double layers = static_cast<double>(batch_size(state.clip)) * a_layer +
+                          static_cast<double>(volume ? kSegmentsAPixel * kSegmentBytes : 0);
+    const double a_pixel = static_cast<double>(Film::sum_bytes_per_pixel(volume)) +
+                           std::max(layers, static_cast<double>(Film::picture_bytes_per_pixel(volume)));
     constexpr double largest = 0x1p62;
     if (count * a_pixel > largest) return static_cast<std::size_t>(largest);
-    std::size_t sum = static_cast<std::size_t>(count * a_pixel);
-    if (state.water && state.water->surface.type != scene::WaterSurfaceType::mesh_sequence) {
-        const ocean::MeshCounts mesh = ocean::mesh_counts(*state.water);
-        sum += mesh.vertices * kWaterVertexBytes + mesh.triangles * kWaterTriangleBytes + mesh.spectrum_bytes;
-    }
     const methods::CausticMethod& method = kept.method(state.caustics.method);
-    return sum + method.bytes(state, static_cast<std::size_t>(count)) +
-           method.bytes_on(kept.device.info().type, state);
+    const std::size_t rendering = static_cast<std::size_t>(count * a_pixel) +
+                                  method.bytes(state, static_cast<std::size_t>(count)) +
+                                  method.bytes_on(kept.device.info().type, state);
+    if (!state.water || state.water->surface.type == scene::WaterSurfaceType::mesh_sequence) return rendering;
+    const ocean::MeshCounts mesh = ocean::mesh_counts(*state.water);
+    return mesh.vertices * kWaterVertexBytes + mesh.triangles * kWaterTriangleBytes +
+           std::max(rendering, mesh.vertices * kWaterMakingBytes + mesh.spectrum_bytes);
 }
 
 }  // namespace dapple::render

@@ -204,6 +204,19 @@ TEST(Render, PlanAndDryRunWriteNothing) {
     EXPECT_FALSE(std::filesystem::exists(scratch / "out"));
 }
 
+TEST(Render, FourCascadesOf2048FitIntoFourGibibytesAtFullHd) {
+    const ScratchFolder scratch;
+    for (const char* clip : {"cascades", "town"})  // the latter above the water and below
+        for (const char* method : {"photon_splatting", "caustic_mesh"}) {
+            const auto dry = run_dapple(
+                scratch, {"render", std::string(DAPPLE_SOURCE_DIR) + "/sequences/" + clip + ".yaml", "-o",
+                          scratch / "out", "--dry-run", "-f", "1,45", "--max-memory", "4G", "--set",
+                          "clip.resolution=[1920, 1080]", "--set", std::string("caustics.method=") + method,
+                          "--set", "caustics.map_resolution=2048"});
+            EXPECT_EQ(dry.code, 0) << clip << " by " << method << ": " << dry.output;
+        }
+}
+
 TEST(Validate, DescribesASoundTimeline) {
     const ScratchFolder scratch;
     const auto outcome = run_dapple(scratch, {"validate", kSmall});

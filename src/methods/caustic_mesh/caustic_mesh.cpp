@@ -10,10 +10,33 @@
 #include "methods/caustic_mesh/cell_builder.h"
 #include "methods/caustic_mesh/cell_renderer.h"
 #include "methods/caustic_mesh/mirrored_disc.h"
+#include "methods/host_raster.h"
 #include "methods/mirror_bounce.h"
 #include "scene/area_light.h"
 
 namespace dapple::methods {
+namespace {
+
+constexpr double kLanding = 4 + 12;  // bytes a ray: where it lands
+constexpr double kBeside = 4 + 1;    // and what its cells need to know while they are made
+
+/// One for each ray that may carry light; those that the camera does not see are not kept, cells at edges are
+/// cut into more.
+double cells_of(const scene::FrameState& state, const light::MapMemory& maps) {
+    return (state.caustics.map.second_bounce ? 2 : 1) * maps.photons;
+}
+
+/// Cells of the paper's are triangles.
+double cell_bytes(const scene::FrameState& state) {
+    return sizeof(layout::MeshCell) * (state.caustics.map.paper_faithful ? 2.0 : 1.0);
+}
+
+/// Maps of absurd size must not wrap around to a small number.
+std::size_t bounded(double bytes) {
+    return static_cast<std::size_t>(std::min(0x1p61, bytes));
+}
+
+}  // namespace
 
 struct CausticMesh::State {
     State(gpu::Device& d, RasterBackend backend)
@@ -47,27 +70,30 @@ Support CausticMesh::supports_surface(const scene::FrameState& state) const {
     return {Support::Degree::partly, reason};
 }
 
-std::size_t CausticMesh::bytes(const scene::FrameState& state, std::size_t pixels) const {
+std::size_t CausticMesh::bytes(const scene::FrameState& state, std::size_t) const {
     if (!state.water) return 0;
     const light::MapMemory maps = light::foresee_maps(state);
-    constexpr double kLanding = 4 + 12 + 4 + 1;
-    // Cells of the paper's are triangles.
-    const double cell = sizeof(layout::MeshCell) * (state.caustics.map.paper_faithful ? 2.0 : 1.0);
-    // On a device four layers' receivers, in and out, and irradiance; on the host one layer, and lists of the
-    // cells that meet bands of rows.
-    constexpr double kDeviceLayer = 4 * 5 * 16, kHostLayer = 40, kListed = 20;
+    return bounded(cells_of(state, maps) * cell_bytes(state) + maps.kept + maps.largest * kLanding);
+}
+
+std::size_t CausticMesh::bytes_on(gpu::DeviceType type, const scene::FrameState& state) const {
+    if (!state.water) return 0;
+    const light::MapMemory maps = light::foresee_maps(state);
     // One map after another is drawn, landed and cut into cells, a stretch of them before it goes to the
     // device.
     const double stretch = std::min(maps.largest, static_cast<double>(caustic_mesh::kStretch));
-    const bool bounce = state.caustics.map.second_bounce;
-    const double vertex =
-        kLanding + (bounce ? mirrored_vertex_bytes(state) + sizeof(caustic_mesh::DiscImage) : 0);
-    const double begin = maps.tracing + maps.largest * vertex + stretch * cell;
-    const double cells = (bounce ? 2 : 1) * maps.photons, picture = static_cast<double>(pixels);
-    const double layers = maps.kept + maps.largest * kLanding +
-                          std::max(picture * kDeviceLayer, picture * kHostLayer + cells * kListed);
-    constexpr double kMost = 0x1p61;  // maps of absurd size must not wrap around to a small number
-    return static_cast<std::size_t>(std::min(kMost, cells * cell + std::max(begin, layers)));
+    const double mirrored =
+        state.caustics.map.second_bounce ? mirrored_vertex_bytes(state) + sizeof(caustic_mesh::DiscImage) : 0;
+    const double begin =
+        maps.tracing - maps.kept + maps.largest * (kBeside + mirrored) + stretch * cell_bytes(state);
+    // On a device four layers' receivers, in and out, and irradiance; on the host one layer, and lists of the
+    // cells that meet bands of rows.
+    constexpr double kDeviceLayer = 4 * 5 * 16, kHostLayer = 40;
+    const double picture = static_cast<double>(state.clip.width) * static_cast<double>(state.clip.height);
+    const double drawing = draws_on_device(type, backend_)
+                               ? picture * kDeviceLayer
+                               : picture * kHostLayer + cells_of(state, maps) * kListedBytes;
+    return bounded(std::max(begin, drawing));
 }
 
 void CausticMesh::begin(FrameContext& context) {

@@ -7,6 +7,7 @@
 #include "light/caustic_map.h"
 #include "light/landing.h"
 #include "light/map_memory.h"
+#include "methods/host_raster.h"
 #include "methods/mirror_bounce.h"
 #include "methods/photon_splatting/footprint.h"
 #include "methods/photon_splatting/splat_builder.h"
@@ -14,6 +15,21 @@
 #include "scene/area_light.h"
 
 namespace dapple::methods {
+namespace {
+
+constexpr double kLanding = 4 + 12;  // bytes a photon: where it lands
+
+/// As many as photons: those near edges of faces have more, those that the camera does not see none.
+double splats_of(const scene::FrameState& state, const light::MapMemory& maps) {
+    return (state.caustics.map.second_bounce ? 2 : 1) * maps.photons;
+}
+
+/// Maps of absurd size must not wrap around to a small number.
+std::size_t bounded(double bytes) {
+    return static_cast<std::size_t>(std::min(0x1p61, bytes));
+}
+
+}  // namespace
 
 struct PhotonSplatting::State {
     State(gpu::Device& d, RasterBackend backend)
@@ -48,24 +64,27 @@ Support PhotonSplatting::supports_surface(const scene::FrameState& state) const 
     return {Support::Degree::partly, reason};
 }
 
-std::size_t PhotonSplatting::bytes(const scene::FrameState& state, std::size_t pixels) const {
+std::size_t PhotonSplatting::bytes(const scene::FrameState& state, std::size_t) const {
     if (!state.water) return 0;
     const light::MapMemory maps = light::foresee_maps(state);
-    constexpr double kLanding = 4 + 12, kSplat = sizeof(layout::Splat);
+    return bounded(splats_of(state, maps) * sizeof(layout::Splat) + maps.kept + maps.largest * kLanding);
+}
+
+std::size_t PhotonSplatting::bytes_on(gpu::DeviceType type, const scene::FrameState& state) const {
+    if (!state.water) return 0;
+    const light::MapMemory maps = light::foresee_maps(state);
+    // One map after another is drawn, landed and cut into splats, a stretch before they go to the device.
+    constexpr double kStretch = sizeof(layout::Splat) * static_cast<double>(kStretchPhotons);
+    const double mirrored = state.caustics.map.second_bounce ? mirrored_vertex_bytes(state) : 0;
+    const double begin = maps.tracing - maps.kept + maps.largest * mirrored + kStretch;
     // On a device four layers' staging, receivers and irradiance; on the host one layer, and lists of the
     // splats that meet bands of rows.
-    constexpr double kDeviceLayer = 4 * 3 * 16, kHostLayer = 40, kListed = 20;
-    // One map after another is drawn, landed and cut into splats, a stretch before they go to the device. As
-    // many splats as photons: those near edges of faces have more, those that the camera does not see none.
-    const double stretch = kSplat * static_cast<double>(kStretchPhotons);
-    const bool bounce = state.caustics.map.second_bounce;
-    const double mirrored = bounce ? mirrored_vertex_bytes(state) : 0;
-    const double begin = maps.tracing + maps.largest * (kLanding + mirrored) + stretch;
-    const double splats = (bounce ? 2 : 1) * maps.photons, picture = static_cast<double>(pixels);
-    const double layers = maps.kept + maps.largest * kLanding +
-                          std::max(picture * kDeviceLayer, picture * kHostLayer + splats * kListed);
-    constexpr double kMost = 0x1p61;  // maps of absurd size must not wrap around to a small number
-    return static_cast<std::size_t>(std::min(kMost, splats * kSplat + std::max(begin, layers)));
+    constexpr double kDeviceLayer = 4 * 3 * 16, kHostLayer = 40;
+    const double picture = static_cast<double>(state.clip.width) * static_cast<double>(state.clip.height);
+    const double drawing = draws_on_device(type, backend_)
+                               ? picture * kDeviceLayer
+                               : picture * kHostLayer + splats_of(state, maps) * kListedBytes;
+    return bounded(std::max(begin, drawing));
 }
 
 void PhotonSplatting::begin(FrameContext& context) {

@@ -16,6 +16,7 @@ public:
     ~PhotonSplatting() override;
     Support supports_surface(const scene::FrameState& state) const override;
     std::size_t bytes(const scene::FrameState& state, std::size_t pixels) const override;
+    std::size_t bytes_on(gpu::DeviceType type, const scene::FrameState& state) const override;
     void begin(FrameContext& context) override;
     void irradiance(FrameContext& context, std::span<const view::ReceiverLayer> layers,
                     std::span<LayerResult> results) override;
