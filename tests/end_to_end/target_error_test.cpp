@@ -1,4 +1,5 @@
 // caustics.target_error through the whole program: settings are chosen once, and every frame has them.
+// DAPPLE_LONG: also those that render for minutes.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -72,6 +73,7 @@ TEST(TargetError, AFrameAloneAndAClipTakenUpAgainHaveTheSameBytes) {
     EXPECT_THAT(other.output, HasSubstr("other: the timeline"));
 }
 
+#if DAPPLE_LONG
 TEST(TargetError, AClipThatIsKilledAndTakenUpHasTheSameSettingsAndBytes) {
     const ScratchFolder scratch;
     ASSERT_EQ(render(scratch, "whole", {}).code, 0);
@@ -101,6 +103,8 @@ TEST(TargetError, AClipThatIsKilledAndTakenUpHasTheSameSettingsAndBytes) {
     }
 }
 
+#endif
+
 TEST(TargetError, PlansAndDryRunsTellWhatIsChosen) {
     const ScratchFolder scratch;
     const Outcome plan = render(scratch, "out", {"--plan"});
@@ -114,6 +118,7 @@ TEST(TargetError, PlansAndDryRunsTellWhatIsChosen) {
     EXPECT_FALSE(std::filesystem::exists(scratch / "out"));
 }
 
+#if DAPPLE_LONG
 TEST(TargetError, SaysWhereItIsMissed) {
     const ScratchFolder scratch;
     const char* strict = "caustics={method: caustic_mesh, target_error: 0.1 %}";  // on eight cells a wave
@@ -125,6 +130,7 @@ TEST(TargetError, SaysWhereItIsMissed) {
     EXPECT_EQ(memory.code, 33) << memory.output;
     EXPECT_THAT(memory.output, HasSubstr("caustics.target_error: a map_resolution of "));
 }
+#endif
 
 }  // namespace
 }  // namespace dapple::end_to_end

@@ -1,5 +1,5 @@
 // Settings that are chosen for a target error, and the errors that are told of them, against a closed form
-// (closed_form/sinusoid.h) and sliced_beams.
+// (closed_form/sinusoid.h) and sliced_beams. DAPPLE_LONG: also those that render for minutes.
 #include "render/settle.h"
 
 #include <gtest/gtest.h>
@@ -53,6 +53,7 @@ void expect_told_truly(double told, double measured, const std::string& what) {
     EXPECT_GT(told, measured / kFactor) << what;
 }
 
+#if DAPPLE_LONG
 TEST(Settle, ReachesTargetsWithTheErrorThatItTells) {
     for (const auto& [method, depth] :
          {std::pair("photon_splatting", 0.5), {"photon_splatting", 2.0}, {"caustic_mesh", 2.0}}) {
@@ -71,6 +72,8 @@ TEST(Settle, ReachesTargetsWithTheErrorThatItTells) {
     }
 }
 
+#endif
+
 TEST(Settle, KnowsWhatTheMeshOfTheWaterMakes) {
     scene::FrameState state = pool(0.5, 0.005, "caustic_mesh");
     state.water->mesh_cells = 60;  // ten a wave
@@ -83,6 +86,7 @@ TEST(Settle, KnowsWhatTheMeshOfTheWaterMakes) {
     EXPECT_GT(found.pilots[0].by_mesh, 0.8 * found.error());
 }
 
+#if DAPPLE_LONG
 /// Splats hold the box of a sample's cell along the vectors of their lattice: oblique to the picture they
 /// blur, the less the more samples a pixel has.
 TEST(Settle, KnowsHowPixelsWidenSplats) {
@@ -111,6 +115,8 @@ TEST(Settle, KnowsHowPixelsWidenSplats) {
         EXPECT_GT(found.pilots[0].by_pixels, 0) << reason;
     }
 }
+
+#endif
 
 TEST(Settle, ChoosesPassesOfAFilterThatIsAskedFor) {
     scene::FrameState state = pool(2, 0.2);
