@@ -35,6 +35,9 @@ struct Golden {
 /// Adaptive beams cost by their fragments.
 const std::vector<std::string> kFewFragments = {"clip.samples=1", "caustics.levels=1"};
 
+const std::vector<std::string> kFewPhotons = {"clip.samples=1", "water.mesh_cells=400",
+                                              "caustics.map_resolution=192"};
+
 void PrintTo(const Golden& golden, std::ostream* stream) {
     *stream << golden.name;
 }
@@ -49,6 +52,9 @@ INSTANTIATE_TEST_SUITE_P(
                     Golden{"fog", "fog.yaml", 20, {"clip.samples=1", "water.mesh_cells=120"}},
                     Golden{"glass_sphere", "glass_sphere.yaml", 20, kFewFragments},
                     Golden{"glass_mesh", "glass_mesh.yaml", 20, kFewFragments},
+                    Golden{"town_above", "town.yaml", 10, kFewPhotons},
+                    Golden{"town_below", "town.yaml", 45, kFewPhotons},
+                    Golden{"horizon", "horizon.yaml", 24, {"clip.samples=1", "water.rings.cells=64"}},
                     Golden{"adaptive_godrays",
                            "godrays.yaml",
                            20,
