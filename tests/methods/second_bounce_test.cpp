@@ -86,10 +86,21 @@ const std::vector<Way> kWays = {{"tents"},
                                 {"fixed", PhotonFootprint::fixed},
                                 {"caustic mesh", PhotonFootprint::tent, true}};
 
+std::vector<std::pair<Way, int>> with_cascades(const std::vector<Way>& ways) {
+    std::vector<std::pair<Way, int>> all;
+    for (const int cascades : {1, 2})
+        for (const Way& way : ways) all.emplace_back(way, cascades);
+    return all;
+}
+
 TEST(SecondBounce, OfALevelMirrorBelowFlatWater) {
     const test::FlatFloor at = test::flat_floor(kZenith, 2 * kBottom - kHull, 1.333);
-    for (const Way& way : kWays) {
+    // Of two cascades the finer one's share falls to nothing in the middle of what lights the mirror.
+    for (const auto& [way, cascades] : with_cascades(kWays)) {
+        SCOPED_TRACE(cascades);
         scene::FrameState state = dock(level_mirror());
+        state.caustics.map.cascades = cascades;
+        state.caustics.map.cascade_center = scene::CascadeCenter::extent;
         FrameStats stats;
         const LayerResult found = by_map(state, way, stats);
         double flux = 0, columns = 0, rows = 0;
