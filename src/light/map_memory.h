@@ -1,4 +1,7 @@
 #pragma once
+#include <algorithm>
+#include <cstddef>
+
 #include "scene/frame_state.h"
 
 namespace dapple::light {
@@ -18,5 +21,10 @@ struct MapMemory {
 
 /// For methods that serve receivers which the camera sees directly. Needs FrameState::water.
 MapMemory foresee_maps(const scene::FrameState& state);
+
+/// At most 2^61: maps of absurd size must not wrap around to a small number.
+inline std::size_t bounded_bytes(double bytes) {
+    return static_cast<std::size_t>(std::min(0x1p61, bytes));
+}
 
 }  // namespace dapple::light

@@ -31,11 +31,6 @@ double cell_bytes(const scene::FrameState& state) {
     return sizeof(layout::MeshCell) * (state.caustics.map.paper_faithful ? 2.0 : 1.0);
 }
 
-/// Maps of absurd size must not wrap around to a small number.
-std::size_t bounded(double bytes) {
-    return static_cast<std::size_t>(std::min(0x1p61, bytes));
-}
-
 }  // namespace
 
 struct CausticMesh::State {
@@ -73,7 +68,8 @@ Support CausticMesh::supports_surface(const scene::FrameState& state) const {
 std::size_t CausticMesh::bytes(const scene::FrameState& state, std::size_t) const {
     if (!state.water) return 0;
     const light::MapMemory maps = light::foresee_maps(state);
-    return bounded(cells_of(state, maps) * cell_bytes(state) + maps.kept + maps.largest * kLanding);
+    return light::bounded_bytes(cells_of(state, maps) * cell_bytes(state) + maps.kept +
+                                maps.largest * kLanding);
 }
 
 std::size_t CausticMesh::bytes_on(gpu::DeviceType type, const scene::FrameState& state) const {
@@ -93,7 +89,7 @@ std::size_t CausticMesh::bytes_on(gpu::DeviceType type, const scene::FrameState&
     const double drawing = draws_on_device(type, backend_)
                                ? picture * kDeviceLayer
                                : picture * kHostLayer + cells_of(state, maps) * kListedBytes;
-    return bounded(std::max(begin, drawing));
+    return light::bounded_bytes(std::max(begin, drawing));
 }
 
 void CausticMesh::begin(FrameContext& context) {

@@ -24,11 +24,6 @@ double splats_of(const scene::FrameState& state, const light::MapMemory& maps) {
     return (state.caustics.map.second_bounce ? 2 : 1) * maps.photons;
 }
 
-/// Maps of absurd size must not wrap around to a small number.
-std::size_t bounded(double bytes) {
-    return static_cast<std::size_t>(std::min(0x1p61, bytes));
-}
-
 }  // namespace
 
 struct PhotonSplatting::State {
@@ -67,7 +62,8 @@ Support PhotonSplatting::supports_surface(const scene::FrameState& state) const 
 std::size_t PhotonSplatting::bytes(const scene::FrameState& state, std::size_t) const {
     if (!state.water) return 0;
     const light::MapMemory maps = light::foresee_maps(state);
-    return bounded(splats_of(state, maps) * sizeof(layout::Splat) + maps.kept + maps.largest * kLanding);
+    return light::bounded_bytes(splats_of(state, maps) * sizeof(layout::Splat) + maps.kept +
+                                maps.largest * kLanding);
 }
 
 std::size_t PhotonSplatting::bytes_on(gpu::DeviceType type, const scene::FrameState& state) const {
@@ -84,7 +80,7 @@ std::size_t PhotonSplatting::bytes_on(gpu::DeviceType type, const scene::FrameSt
     const double drawing = draws_on_device(type, backend_)
                                ? picture * kDeviceLayer
                                : picture * kHostLayer + splats_of(state, maps) * kListedBytes;
-    return bounded(std::max(begin, drawing));
+    return light::bounded_bytes(std::max(begin, drawing));
 }
 
 void PhotonSplatting::begin(FrameContext& context) {
