@@ -12,6 +12,7 @@
 #include "base/parallel.h"
 #include "methods/caustic_method.h"
 #include "methods/draw_list.h"
+#include "scene/frame_state.h"
 #include "view/receiver_layer.h"
 
 /// Draws parallelograms of the picture on the processor, eight pixels of a row at once: additively, in their
@@ -143,6 +144,14 @@ private:
 
 /// Bytes of BandLists a primitive: its place, in lists that grow by doubling, in one band or a second one.
 inline constexpr double kListedBytes = 10;
+
+/// Bytes that drawing a clip's pictures takes beside the primitives: on a device so many a pixel, on the host
+/// one layer and BandLists.
+inline double drawing_bytes(bool on_device, const scene::Clip& clip, double device_pixel, double primitives) {
+    constexpr double kHostPixel = 40;
+    const double pixels = static_cast<double>(clip.width) * static_cast<double>(clip.height);
+    return on_device ? pixels * device_pixel : pixels * kHostPixel + primitives * kListedBytes;
+}
 
 /// Which primitives of a list meet each band of rows of pictures of a height. The list must stay as it is.
 template <class Primitive>

@@ -82,13 +82,10 @@ std::size_t CausticMesh::bytes_on(gpu::DeviceType type, const scene::FrameState&
         state.caustics.map.second_bounce ? mirrored_vertex_bytes(state) + sizeof(caustic_mesh::DiscImage) : 0;
     const double begin =
         maps.tracing - maps.kept + maps.largest * (kBeside + mirrored) + stretch * cell_bytes(state);
-    // On a device four layers' receivers, in and out, and irradiance; on the host one layer, and lists of the
-    // cells that meet bands of rows.
-    constexpr double kDeviceLayer = 4 * 5 * 16, kHostLayer = 40;
-    const double picture = static_cast<double>(state.clip.width) * static_cast<double>(state.clip.height);
-    const double drawing = draws_on_device(type, backend_)
-                               ? picture * kDeviceLayer
-                               : picture * kHostLayer + cells_of(state, maps) * kListedBytes;
+    // Four layers' receivers, in and out, and irradiance.
+    constexpr double kDevicePixel = 4 * 5 * 16;
+    const double drawing =
+        drawing_bytes(draws_on_device(type, backend_), state.clip, kDevicePixel, cells_of(state, maps));
     return light::bounded_bytes(std::max(begin, drawing));
 }
 

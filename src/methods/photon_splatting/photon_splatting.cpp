@@ -73,13 +73,10 @@ std::size_t PhotonSplatting::bytes_on(gpu::DeviceType type, const scene::FrameSt
     constexpr double kStretch = sizeof(layout::Splat) * static_cast<double>(kStretchPhotons);
     const double mirrored = state.caustics.map.second_bounce ? mirrored_vertex_bytes(state) : 0;
     const double begin = maps.tracing - maps.kept + maps.largest * mirrored + kStretch;
-    // On a device four layers' staging, receivers and irradiance; on the host one layer, and lists of the
-    // splats that meet bands of rows.
-    constexpr double kDeviceLayer = 4 * 3 * 16, kHostLayer = 40;
-    const double picture = static_cast<double>(state.clip.width) * static_cast<double>(state.clip.height);
-    const double drawing = draws_on_device(type, backend_)
-                               ? picture * kDeviceLayer
-                               : picture * kHostLayer + splats_of(state, maps) * kListedBytes;
+    // Four layers' staging, receivers and irradiance.
+    constexpr double kDevicePixel = 4 * 3 * 16;
+    const double drawing =
+        drawing_bytes(draws_on_device(type, backend_), state.clip, kDevicePixel, splats_of(state, maps));
     return light::bounded_bytes(std::max(begin, drawing));
 }
 
