@@ -121,6 +121,20 @@ double Media::density(std::size_t component, const glm::dvec3& position, bool in
     return 0;
 }
 
+DensityProfile::Parabola DensityProfile::parabola(std::size_t piece, std::size_t component) const {
+    const std::size_t entry = piece * components + component;
+    const auto begin = static_cast<double>(density[entry]), half_way = static_cast<double>(middle[entry]);
+    const double mean = (column[entry + components] - column[entry]) / (place[piece + 1] - place[piece]);
+    return {begin, half_way, std::max(0.0, 6 * mean - begin - 4 * half_way)};  // Simpson's rule is exact
+}
+
+double DensityProfile::column_to(std::size_t piece, std::size_t component, double s) const {
+    const double before = column[piece * components + component];
+    const double height = place[piece + 1] - place[piece];
+    if (!(height > 0)) return before;
+    return before + height * parabola(piece, component).column((s - place[piece]) / height);
+}
+
 DensityProfile Media::profile(const glm::dvec3& origin, const glm::dvec3& direction, double length,
                               bool in_water) const {
     DensityProfile profile;

@@ -13,11 +13,30 @@ namespace dapple::media {
 /// of degree three at most), so that the integral between them is exact by Simpson's rule, and its Hermite
 /// interpolation from the values and their slopes is good to fourth order.
 struct DensityProfile {
+    /// Density on a piece of unit length by its values at the ends and in the middle.
+    struct Parabola {
+        double begin = 0, middle = 0, end = 0;
+        double at(double t) const {
+            return begin + t * (4 * middle - 3 * begin - end + t * 2 * (begin + end - 2 * middle));
+        }
+        /// Integral from 0.
+        double column(double t) const {
+            return t * (begin + t * (0.5 * (4 * middle - 3 * begin - end) +
+                                     t * 2.0 / 3 * (begin + end - 2 * middle)));
+        }
+    };
+
     std::size_t components = 0;
     std::vector<double> place;   ///< m along the segment, ascending; the first 0, the last its length
     std::vector<float> density;  ///< [place * components + component], just after the place where it jumps
     std::vector<double> column;  ///< the same: integral of the density from 0 to the place, m
     std::vector<float> middle;   ///< the same: density half way from this place to the next
+
+    /// Between a place and the next, which must not be the same: where the density is a cubic, the parabola
+    /// of the same integral.
+    Parabola parabola(std::size_t piece, std::size_t component) const;
+    /// Integral of the density from 0 to `s`, m, which lies between a place and the next.
+    double column_to(std::size_t piece, std::size_t component, double s) const;
 };
 
 /// What a ray meets of one medium.

@@ -39,7 +39,6 @@ RayColumns<Real>::RayColumns(std::shared_ptr<const media::Media> bodies, const l
         least_.push_back(std::min({e.x, e.y, e.z}));
         most_.push_back(std::max({e.x, e.y, e.z}));
     }
-    const std::size_t size = 2 + kPoints * media_;
     const auto ray_of = [&](std::size_t i) {
         const auto& ray = sheet.rays[i];
         const glm::dvec3 slope(ray.slope_a, ray.slope_b, 1);
@@ -55,87 +54,113 @@ RayColumns<Real>::RayColumns(std::shared_ptr<const media::Media> bodies, const l
                 entry[i] = 0;
         }
     });
-    std::size_t entries = 0;
-    for (std::uint32_t& e : entry)
-        if (e != kNone) e = static_cast<std::uint32_t>(size * entries++);
-    if (entries == 0) return;
+    columns_.assign(2, 0.0f);
+    add_entries(entry, ray_of);
+    if (spans_.empty()) return;
+    for (std::uint32_t& e : entry) {
+        if (e == kNone) continue;
+        const auto of_ray = std::span(spans_).subspan(e * media_, media_);
+        if (std::all_of(of_ray.begin(), of_ray.end(), [](const auto& s) { return s.empty(); })) e = kNone;
+    }
     first_ = std::move(entry);
-    columns_.assign(size * entries, 0.0f);
-    parallel_for(first_.size(), 256, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i)
-            if (first_[i] != kNone) fill(columns_.data() + first_[i], ray_of(i));
-    });
     find_middles();
 }
 
 template <class Real>
-void RayColumns<Real>::fill(float* entry, const MeanRay& ray) const {
-    const double stretch = glm::length(ray.slope);
-    const media::DensityProfile profile =
-        bodies_->profile(sheet_->world_from_mesh * ray.origin,
-                         sheet_->world_from_mesh * (ray.slope / stretch), kReach, sheet_->in_water());
-    const std::size_t all = media_ + 1, places = profile.place.size();
-    const auto column = [&](std::size_t place, std::size_t c) { return profile.column[place * all + c]; };
-    const auto same = [&](std::size_t p, std::size_t q) {
-        for (std::size_t c = 1; c < all; ++c)
-            if (column(p, c) != column(q, c)) return false;
-        return true;
+media::DensityProfile RayColumns<Real>::profile(const MeanRay& ray) const {
+    return bodies_->profile(sheet_->world_from_mesh * ray.origin,
+                            sheet_->world_from_mesh * glm::normalize(ray.slope), kReach, sheet_->in_water());
+}
+
+template <class Real>
+template <class RayOf>
+void RayColumns<Real>::add_entries(std::vector<std::uint32_t>& entries, RayOf&& ray_of) {
+    const std::size_t known = spans_.size();
+    std::size_t added = 0;
+    for (std::uint32_t& e : entries)
+        if (e != kNone) e = static_cast<std::uint32_t>(known / media_ + added++);
+    spans_.resize(known + added * media_);
+    // `use(profile, medium, span, stretch)`
+    const auto visit = [&](auto&& use) {
+        parallel_for(entries.size(), 256, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) {
+                if (entries[i] == kNone) continue;
+                const MeanRay ray = ray_of(i);
+                const media::DensityProfile along = profile(ray);
+                for (std::size_t m = 0; m < media_; ++m)
+                    use(along, m, spans_[entries[i] * media_ + m], glm::length(ray.slope));
+            }
+        });
     };
-    std::size_t low = 0, high = places - 1;
-    while (low < high && same(0, low + 1)) ++low;
-    while (high > low && same(places - 1, high - 1)) --high;
-    const double step = std::max(1e-6, (profile.place[high] - profile.place[low]) / (kPoints - 1));
-    entry[0] = static_cast<float>(profile.place[low] / stretch);
-    entry[1] = static_cast<float>(step / stretch);
-    std::size_t at = low;
-    for (std::size_t k = 0; k < kPoints; ++k) {
-        const double place = profile.place[low] + step * static_cast<double>(k);
-        while (at + 1 < high && profile.place[at + 1] <= place) ++at;
-        const double height = profile.place[at + 1 < places ? at + 1 : at] - profile.place[at];
-        const double t = height > 0 ? std::clamp((place - profile.place[at]) / height, 0.0, 1.0) : 0;
-        for (std::size_t c = 1; c < all; ++c)
-            entry[2 + k * media_ + c - 1] = static_cast<float>(
-                height > 0 ? glm::mix(column(at, c), column(at + 1, c), t) : column(at, c));
+    visit([&](const media::DensityProfile& along, std::size_t m, ColumnSpan& span, double stretch) {
+        span = column_span(along, m + 1, static_cast<double>(most_[m]), stretch);
+    });
+    // Where all do not fit, those of the most points are told by the fewest.
+    const std::span<ColumnSpan> spans = std::span(spans_).subspan(known);
+    const auto points_of = [&](const ColumnSpan& span, int highest) {
+        if (span.empty()) return std::uint32_t{0};
+        return ColumnSpan::points(span.level <= highest ? span.level : 0);
+    };
+    const auto all_points = [&](int highest) {
+        std::size_t sum = 0;
+        for (const ColumnSpan& span : spans) sum += points_of(span, highest);
+        return sum;
+    };
+    int highest = ColumnSpan::kLevels - 1;
+    while (highest > 0 && all_points(highest) > std::max(kMostPoints * spans.size(), kPlenty)) --highest;
+    std::size_t end = columns_.size();
+    columns_.resize(end + all_points(highest));
+    for (ColumnSpan& span : spans) {
+        const std::uint32_t points = points_of(span, highest);
+        if (points == 0) continue;  // it has the first two, which are 0
+        span.coarse |= span.level > highest;
+        span.inverse_step *= static_cast<float>(points - 1) / static_cast<float>(span.last);
+        span.last = points - 1;
+        span.first = static_cast<std::uint32_t>(end);
+        end += points;
     }
+    for (std::size_t i = 0; i < added; ++i) {
+        const auto of_ray = spans.subspan(i * media_, media_);
+        coarse_rays_ += std::any_of(of_ray.begin(), of_ray.end(), [](const auto& s) { return s.coarse; });
+    }
+    visit([&](const media::DensityProfile& along, std::size_t m, const ColumnSpan& span, double stretch) {
+        if (span.empty()) return;
+        fill_columns(along, m + 1, stretch, span, std::span(columns_).subspan(span.first, span.last + 1));
+    });
 }
 
 template <class Real>
 void RayColumns<Real>::find_middles() {
     std::vector<std::uint32_t> entry(beams_.size(), kNone);
+    const auto parted = [&](const glm::uvec3& rays, const ColumnSpan& at) {
+        for (std::uint32_t point = 0; point <= at.last; point += kLanes<float>) {
+            Lanes<float> depth, sum[3] = {};
+            for (int lane = 0; lane < kLanes<float>; ++lane)
+                depth[lane] =
+                    at.begin + static_cast<float>(point + static_cast<std::uint32_t>(lane)) / at.inverse_step;
+            Spread spread;
+            for (int j = 0; j < 3; ++j)
+                add_entry(first_[rays[j]], depth, Lanes<float>{}, ~Mask<float>{}, spread, sum);
+            if (any(spread.unlike())) return true;
+        }
+        return false;
+    };
     parallel_for(beams_.size(), 1024, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             const glm::uvec3& rays = beams_[i];
             const bool valid = sheet_->valid[rays.x] && sheet_->valid[rays.y] && sheet_->valid[rays.z];
             if (!valid || !dims(i)) continue;
-            // At the places of the entries.
-            for (int k = 0; k < 3 && entry[i] == kNone; ++k) {
+            for (int k = 0; k < 3; ++k) {
                 if (first_[rays[k]] == kNone) continue;
-                const float* at = columns_.data() + first_[rays[k]];
-                for (int place = 0; place < static_cast<int>(kPoints); place += kLanes<float>) {
-                    Lanes<float> depth, sum[3] = {};
-                    for (int lane = 0; lane < kLanes<float>; ++lane)
-                        depth[lane] = at[0] + at[1] * static_cast<float>(place + lane);
-                    Spread spread;
-                    for (int j = 0; j < 3; ++j)
-                        add_entry(first_[rays[j]], depth, Lanes<float>{}, ~Mask<float>{}, spread, sum);
-                    if (any(spread.parted())) entry[i] = 0;
+                for (std::size_t m = 0; m < media_ && entry[i] == kNone; ++m) {
+                    const ColumnSpan& at = spans_[first_[rays[k]] * media_ + m];
+                    if (!at.empty() && parted(rays, at)) entry[i] = 0;
                 }
             }
         }
     });
-    const std::size_t size = 2 + kPoints * media_;
-    std::size_t end = columns_.size();
-    for (std::uint32_t& e : entry) {
-        if (e == kNone) continue;
-        e = static_cast<std::uint32_t>(end);
-        end += size;
-    }
+    add_entries(entry, [&](std::size_t i) { return mean_ray(i, glm::dvec3(1.0 / 3)); });
     middle_ = std::move(entry);
-    columns_.resize(end, 0.0f);
-    parallel_for(beams_.size(), 256, [&](std::size_t begin, std::size_t last) {
-        for (std::size_t i = begin; i < last; ++i)
-            if (middle_[i] != kNone) fill(columns_.data() + middle_[i], mean_ray(i, glm::dvec3(1.0 / 3)));
-    });
 }
 
 template <class Real>
@@ -147,8 +172,8 @@ void RayColumns<Real>::Spread::take(const Lanes<float>& densest_here, const Lane
 }
 
 template <class Real>
-Mask<float> RayColumns<Real>::Spread::parted() const {
-    const Lanes<float> most = first > 0 ? splat(kUnlike) : splat(kParted);
+Mask<float> RayColumns<Real>::Spread::unlike() const {
+    const Lanes<float> most = first > static_cast<float>(kColumnTolerance) ? splat(kUnlike) : splat(kParted);
     return (last - first > most) & (clearest < kOpaque);
 }
 
@@ -157,21 +182,20 @@ void RayColumns<Real>::add_entry(std::uint32_t first, const Lanes<float>& depth,
                                  const Mask<float>& counts, Spread& spread, Lanes<float> (&sum)[3]) const {
     using L = Lanes<float>;
     if (first == kNone) return spread.take(L{}, L{}, counts);
-    const float* entry = columns_.data() + first;
-    const L place =
-        lesser(greater((depth - entry[0]) * (1 / entry[1]), L{}), splat(static_cast<float>(kPoints - 1)));
-    const Mask<float> cell =
-        __builtin_convertvector(lesser(place, splat(static_cast<float>(kPoints - 2))), Mask<float>);
-    const L t = place - __builtin_convertvector(cell, L);
+    const ColumnSpan* span = spans_.data() + first * media_;
     L densest{}, clearest{};
-    for (std::size_t m = 0; m < media_; ++m) {
-        const Mask<float> index = cell * static_cast<int>(media_);
-        const float* at = entry + 2 + m;
-        const L low = gathered(at, index), high = gathered(at + media_, index);
+    for (std::size_t m = 0; m < media_; ++m, ++span) {
+        const L last = splat(static_cast<float>(span->last));
+        const L place = lesser(greater((depth - span->begin) * span->inverse_step, L{}), last);
+        const Mask<float> cell = __builtin_convertvector(lesser(place, last - 1.0f), Mask<float>);
+        const L t = place - __builtin_convertvector(cell, L);
+        const float* at = columns_.data() + span->first;
+        const L low = gathered(at, cell), high = gathered(at + 1, cell);
         const L column = multiply_add(t, high - low, low), share = weight * column;
         for (int c = 0; c < 3; ++c) sum[c] = multiply_add(share, splat(extinction_[m][c]), sum[c]);
         densest = multiply_add(column, splat(most_[m]), densest);
         clearest = multiply_add(column, splat(least_[m]), clearest);
+        if (span->coarse) spread.coarse |= counts & (place > 0) & (place < last);
     }
     spread.take(densest, clearest, counts);
 }
@@ -193,7 +217,7 @@ void RayColumns<Real>::add_optical_depth(std::size_t beam, const Lanes<float> (&
         add_entry(first_[rays[k]], depth, weight, counts, spread, found);
     }
     if (middle != kNone) add_entry(middle, depth, 3.0f * least, least > 0, spread, found);
-    const Mask<float> parted = mask & spread.parted();
+    const Mask<float> parted = mask & (spread.unlike() | (spread.coarse & (spread.clearest < kOpaque)));
     for (unsigned lanes = bits(parted); lanes != 0; lanes &= lanes - 1) {
         const int lane = __builtin_ctz(lanes);
         const glm::dvec3 share(weights[0][lane], weights[1][lane], weights[2][lane]);

@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
@@ -9,14 +10,16 @@
 
 #include "light/water_beams.h"
 #include "media/media.h"
+#include "methods/sliced_beams/column_spans.h"
 #include "methods/sliced_beams/lanes.h"
 
 namespace dapple::methods::sliced_beams {
 
 /// Columns of the bounded media along the rays of a sheet after the water, made once a frame for the rays
-/// that may meet one: so many points a ray, interpolated linearly between the rays of a beam. Beams whose
-/// rays meet much unlike columns have a fourth ray in their middle; where that too would blur the face of a
-/// dense medium the mean ray is asked itself. Sheet and beams must outlive it.
+/// that may meet one: points as fine as each medium's column needs, interpolated linearly along the ray and
+/// between the rays of a beam. Beams whose rays meet much unlike columns have a fourth ray in their middle;
+/// where that too would blur the face of a dense medium, and where so many points would be needed that they
+/// do not fit, the mean ray is asked itself. Sheet and beams must outlive it.
 template <class Real>
 class RayColumns {
 public:
@@ -40,22 +43,30 @@ public:
     /// Adds it in each lane of `mask`.
     void add_optical_depth(std::size_t beam, const Lanes<float> (&weights)[3], const Lanes<float>& depth,
                            glm::dvec2 shift, const Mask<float>& mask, Lanes<float> (&sum)[3]) const;
+    /// Rays, with those in the middles of beams, of which some medium's column has more detail than there is
+    /// room for points.
+    std::size_t coarse_rays() const { return coarse_rays_; }
     /// At most: with a ray in the middle of each of two beams.
-    static double bytes_a_ray(std::size_t media) {
-        return 3 * (sizeof(std::uint32_t) + sizeof(float) * static_cast<double>(2 + kPoints * media));
+    static double bytes(double rays, std::size_t media) {
+        const double entries = 3 * rays, spans = entries * static_cast<double>(media);
+        const double points = std::max(kMostPoints * spans, 2.0 * kPlenty);
+        return entries * sizeof(std::uint32_t) + spans * sizeof(ColumnSpan) + points * sizeof(float);
     }
 
 private:
     static constexpr std::uint32_t kNone = 0xffffffffu;
-    static constexpr std::size_t kPoints = 48;
+    static constexpr std::size_t kMostPoints = 128;  ///< of a medium, in the mean of all rays, or kPlenty
+    static constexpr std::size_t kPlenty = 1 << 22;
 
     struct MeanRay {
         glm::dvec3 origin, slope;  ///< in the sheet's axes, from the water
     };
     MeanRay mean_ray(std::size_t beam, const glm::dvec3& weights) const;
-    /// Fills an entry along a ray that is given by its slope in the sheet's axes.
-    void fill(float* entry, const MeanRay& ray) const;
-    /// Fills those of the beams whose rays' columns are too unlike.
+    media::DensityProfile profile(const MeanRay& ray) const;
+    /// Adds an entry for each index at which there is not kNone, of `ray_of(index)`, and sets it there.
+    template <class RayOf>
+    void add_entries(std::vector<std::uint32_t>& entries, RayOf&& ray_of);
+    /// Adds those of the beams whose rays' columns are too unlike.
     void find_middles();
     glm::dvec3 exact_depth(std::size_t beam, const glm::dvec3& weights, double depth, glm::dvec2 shift) const;
 
@@ -63,9 +74,10 @@ private:
     /// least.
     struct Spread {
         Lanes<float> first = splat(std::numeric_limits<float>::infinity()), last{}, clearest = first;
+        Mask<float> coarse{};  ///< the points do not tell one of them
         void take(const Lanes<float>& densest_here, const Lanes<float>& clearest_here,
                   const Mask<float>& counts);
-        Mask<float> parted() const;
+        Mask<float> unlike() const;
     };
     /// Adds `weight` times the column in an entry, down to a depth.
     void add_entry(std::uint32_t first, const Lanes<float>& depth, const Lanes<float>& weight,
@@ -77,9 +89,11 @@ private:
     std::size_t media_ = 0;              ///< bounded ones
     std::vector<glm::vec3> extinction_;  ///< /m, of each where its density is 1
     std::vector<float> least_, most_;    ///< that of its channels
-    std::vector<std::uint32_t> first_;   ///< a vertex: where its entry begins, or kNone
-    std::vector<std::uint32_t> middle_;  ///< a beam: where that of its mean ray begins, or kNone
-    std::vector<float> columns_;  ///< an entry: first depth from there, step, kPoints columns of each medium
+    std::vector<std::uint32_t> first_;   ///< a vertex: its entry, or kNone
+    std::vector<std::uint32_t> middle_;  ///< a beam: that of its mean ray, or kNone
+    std::vector<ColumnSpan> spans_;      ///< [entry * media_ + medium]
+    std::vector<float> columns_;         ///< m, the points of the spans
+    std::size_t coarse_rays_ = 0;
 };
 
 extern template class RayColumns<float>;

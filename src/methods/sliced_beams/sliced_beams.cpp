@@ -139,7 +139,6 @@ std::size_t SlicedBeams::bytes(const scene::FrameState& state, std::size_t) cons
     // Pyramids: bounds at two depths and sums a cluster of beams, and a third of that again above it.
     const double cluster = 4.0 / 3 * (2 * sizeof(sliced_beams::Box<float>) + sizeof(Pyramid::Sums));
     double beam = sizeof(float) + cluster / sliced_beams::kClusterBeams;
-    if (!state.media.empty()) vertex += sliced_beams::RayColumns<float>::bytes_a_ray(state.media.size());
     if (!state.media.empty() || state.water->scattering != glm::dvec3(0)) {
         using sliced_beams::BeamWays, sliced_beams::ScatterBounds;
         vertex += BeamWays<float>::kBytesAVertex;
@@ -158,8 +157,10 @@ std::size_t SlicedBeams::bytes(const scene::FrameState& state, std::size_t) cons
                  triangles = static_cast<double>(mesh.triangles);
     const double depths = state.media.empty() ? 0 : 3 * sizeof(float);
     const double beside = (29 + depths) * vertices + 22 * triangles;
+    const double columns =
+        state.media.empty() ? 0 : sliced_beams::RayColumns<float>::bytes(vertices, state.media.size());
     return static_cast<std::size_t>(
-        std::min(0x1p61, beside + sheets * (vertex * vertices + beam * triangles)));
+        std::min(0x1p61, beside + sheets * (vertex * vertices + beam * triangles + columns)));
 }
 
 std::size_t SlicedBeams::bytes_on(gpu::DeviceType type, const scene::FrameState& state) const {
@@ -239,6 +240,8 @@ void SlicedBeams::begin(FrameContext& context) {
             const float depth = deepest(context.rays, sheet);
             state_->sheets.push_back(
                 std::make_unique<SheetCoverage<float>>(context.scene, context.rays, std::move(sheet), depth));
+            const std::size_t coarse = state_->sheets.back()->columns().coarse_rays();
+            if (coarse > 0) context.stats.count("rays of coarse columns", static_cast<double>(coarse));
         }
     }
     state_->choose_backend(context);

@@ -12,19 +12,6 @@ constexpr double kMostPieces = 4096;  ///< of one piece of the profile
 /// Light from beyond so many optical depths is left out.
 constexpr double kOpaque = 60;
 
-/// Density on a piece of unit length by its values at the ends and in the middle.
-struct Parabola {
-    double begin, middle, end;
-    double at(double t) const {
-        return begin + t * (4 * middle - 3 * begin - end + t * 2 * (begin + end - 2 * middle));
-    }
-    /// Integral from 0.
-    double column(double t) const {
-        return t * (begin +
-                    t * (0.5 * (4 * middle - 3 * begin - end) + t * 2.0 / 3 * (begin + end - 2 * middle)));
-    }
-};
-
 }  // namespace
 
 SegmentScatter::SegmentScatter(const media::Media& media, const glm::dvec3& origin,
@@ -32,11 +19,11 @@ SegmentScatter::SegmentScatter(const media::Media& media, const glm::dvec3& orig
     const media::DensityProfile profile = media.profile(origin, direction, length, in_water);
     const std::vector<media::Component>& components = media.components();
     components_ = components.size();
-    std::vector<Parabola> density(components_);
+    std::vector<media::DensityProfile::Parabola> density(components_);
     std::vector<glm::dvec3> scattered(components_, glm::dvec3(0));
     glm::dvec3 depth(0);  // optical
     const auto is_lit = [&](std::size_t c) {
-        const Parabola& d = density[c];
+        const media::DensityProfile::Parabola& d = density[c];
         return components[c].scattering != glm::dvec3(0) && (d.begin > 0 || d.middle > 0 || d.end > 0);
     };
     std::size_t lit_pieces = 0;  // up to the last that scatters
@@ -49,10 +36,7 @@ SegmentScatter::SegmentScatter(const media::Media& media, const glm::dvec3& orig
         for (std::size_t c = 0; c < components_; ++c) {
             const std::size_t entry = i * components_ + c;
             const double column = profile.column[entry + components_] - profile.column[entry];
-            Parabola& d = density[c];
-            d.begin = static_cast<double>(profile.density[entry]);
-            d.middle = static_cast<double>(profile.middle[entry]);
-            d.end = std::max(0.0, 6 * column / height - d.begin - 4 * d.middle);  // Simpson's rule is exact
+            density[c] = profile.parabola(i, c);
             whole += column * components[c].extinction;
             lit |= is_lit(c);
         }
