@@ -61,6 +61,14 @@ public:
     void visit_pieces(Visit&& visit) const;
 
     BeamSlices<Real> slices(int beam) const;
+    /// Of slices(), the edge that faces a corner, but for its sign.
+    const Quadratic<Real>& edge(int beam, int corner) const {
+        return edge_[cluster_->beam[beam].edge[corner]];
+    }
+    Quadratic<Real> area(int beam) const {
+        const auto& corner = cluster_->beam[beam].corner;
+        return beam_area(corner_[corner[0]], corner_[corner[1]], corner_[corner[2]], part_);
+    }
 
 private:
     using Places = L[Cluster::kMost];
@@ -165,7 +173,7 @@ BeamSlices<Real> ClusterSlices<Real>::slices(int i) const {
         const Real sign = beam.turned[k] ? Real(-1) : Real(1);
         result.edge[k] = {sign * q.c0, sign * q.c1, sign * q.c2};
     }
-    result.area = beam_area(corner_[beam.corner[0]], corner_[beam.corner[1]], corner_[beam.corner[2]], part_);
+    result.area = area(i);
     return result;
 }
 

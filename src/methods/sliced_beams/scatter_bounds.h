@@ -69,15 +69,19 @@ private:
     std::vector<std::vector<std::uint8_t>> left_out_;  ///< a node of each level, or empty: none is
 };
 
+/// What is left of [from, to] beyond a place: where `rising` what follows it.
+template <class Real, class AnyMask>
+inline void clip_at(const Lanes<Real>& place, const AnyMask& rising, Lanes<Real>& from, Lanes<Real>& to) {
+    constexpr Real infinity = std::numeric_limits<Real>::infinity();
+    from = greater(rising ? place : splat(-infinity), from);
+    to = lesser(rising ? splat(infinity) : place, to);
+}
+
 /// What is left of [from, to] where c0 + c1 s >= 0.
 template <class Real>
 inline void clip(Lanes<Real> c0, Lanes<Real> c1, Lanes<Real>& from, Lanes<Real>& to) {
     c1 += Lanes<Real>{};  // no -0, whose quotient would have the wrong sign
-    const Lanes<Real> root = -c0 / c1;
-    constexpr Real infinity = std::numeric_limits<Real>::infinity();
-    const auto rising = c1 >= 0;
-    from = greater(rising ? root : splat(-infinity), from);
-    to = lesser(rising ? splat(infinity) : root, to);
+    clip_at<Real>(-c0 / c1, c1 >= 0, from, to);
 }
 
 template <class Real>
@@ -91,6 +95,7 @@ void ScatterBounds<Real>::visit(const SegmentLanes<Real>& s, glm::vec<2, Real> s
     // Rounding of places; a few times more than can be.
     const L reach = magnitude(s.a) + magnitude(s.b) + magnitude(s.depth) + s.length + largest_;
     const L room = Real(8) * std::numeric_limits<Real>::epsilon() * reach;
+    const L inverse_depth = Real(1) / (s.to_depth + L{});
     std::vector<Open> open;
     for (const Slab& slab : slabs_) {
         // Slabs join without overlap: both get the same number for the place between them.
@@ -127,10 +132,11 @@ void ScatterBounds<Real>::visit(const SegmentLanes<Real>& s, glm::vec<2, Real> s
             };
             above_low(s.a, s.to_a, n.low_a, n.low_grows_a, shift.x, start_a);
             below_high(s.a, s.to_a, n.high_a, n.high_grows_a, shift.x, end_a);
+            if (!any(from <= to)) continue;
             above_low(s.b, s.to_b, n.low_b, n.low_grows_b, shift.y, start_b);
             below_high(s.b, s.to_b, n.high_b, n.high_grows_b, shift.y, end_b);
-            clip<Real>(s.depth - n.first_start + room, s.to_depth, from, to);
-            clip<Real>(n.stop - s.depth + room, Real(0) - s.to_depth, from, to);
+            clip_at<Real>((n.first_start - s.depth - room) * inverse_depth, s.to_depth >= 0, from, to);
+            clip_at<Real>((n.stop - s.depth + room) * inverse_depth, s.to_depth < 0, from, to);
             if (!any(from <= to)) continue;
             if (id.level == 0)
                 visit(id, from, to);

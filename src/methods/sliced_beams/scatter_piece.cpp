@@ -24,7 +24,7 @@ constexpr Real kSmooth = sizeof(Real) == 4 ? Real(0.1) : Real(0.01);
 
 template <class Real>
 typename ScatterQuery<Real>::BeamRay ScatterQuery<Real>::ray(const L& t) const {
-    const L w0 = slices_.edge[0](t), w1 = slices_.edge[1](t), w2 = slices_.edge[2](t);
+    const L w0 = magnitude((*edge_[0])(t)), w1 = magnitude((*edge_[1])(t)), w2 = magnitude((*edge_[2])(t));
     const L whole = w0 + w1 + w2;
     const auto thin = whole == 0;
     const L scale = splat(Real(1)) / (thin ? splat(Real(1)) : whole);
@@ -104,7 +104,7 @@ void ScatterQuery<Real>::add_thick(L enter, L leave, const L& from, const L& to,
 
 template <class Real>
 void ScatterQuery<Real>::weigh(const L& middle, const L& half, const Mask<Real>& mask, L (&weight)[3]) {
-    const auto [q0, q1, q2] = part_of(slices_.area, middle, half);
+    const auto [q0, q1, q2] = part_of(area_, middle, half);
     const Real u = Real(kNodes[2]);
     const L even = multiply_add(q2, splat(u * u), q0);
     weight[0] = Real(kNodeWeights[0]) / magnitude(even - u * q1);
@@ -137,7 +137,7 @@ void ScatterQuery<Real>::add_thin(const L& enter, const L& leave, const Mask<Rea
 template <class Real>
 bool ScatterQuery<Real>::weigh_even(const L& middle, const L& half, const Mask<Real>& mask, L (&place)[2],
                                     L (&weight)[2]) {
-    const auto [q0, q1, q2] = part_of(slices_.area, middle, half);
+    const auto [q0, q1, q2] = part_of(area_, middle, half);
     if (any(mask & ~(magnitude(q1) + Real(10) * magnitude(q2) <= Real(kTwoNodesEven) * magnitude(q0))))
         return false;
     constexpr Real u = Real(0.5773502691896258);  // Gauss & Legendre's rule, exact for degree three

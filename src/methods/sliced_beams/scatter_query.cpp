@@ -58,8 +58,11 @@ void ScatterQuery<Real>::add_cluster(const BeamCluster<Real>& cluster, const Mas
             beam_ = beam.triangle;
             shade_ = beam.shade;
             flux_ = 2 * sheet.flux[beam_];
-            for (int k = 0; k < 3; ++k) corner_[k] = corners_[beam.corner[k]];
-            slices_ = cluster_.slices(i);
+            for (int k = 0; k < 3; ++k) {
+                corner_[k] = corners_[beam.corner[k]];
+                edge_[k] = &cluster_.edge(i, k);
+            }
+            area_ = cluster_.area(i);
         }
         if (free || lies_free(enter, leave, mask))
             take_piece(enter, leave, mask);
@@ -100,19 +103,21 @@ void ScatterQuery<Real>::cut_piece(const L& enter, const L& leave, const Mask<Re
         const auto at = [lane](const L& v) { return static_cast<double>(v[lane]); };
         const double depth = at(part_.depth), grows = at(part_.half_depth);
         const double middle = 0.5 * (at(enter) + at(leave));
-        const double turned =
-            at(slices_.edge[0].c0) + middle * (at(slices_.edge[0].c1) + middle * at(slices_.edge[0].c2)) < 0
-                ? -1
-                : 1;
+        double edge[3][3];  // positive within
+        for (int k = 0; k < 3; ++k) {
+            const double c0 = at(edge_[k]->c0), c1 = at(edge_[k]->c1), c2 = at(edge_[k]->c2);
+            const double sign = c0 + middle * (c1 + middle * c2) < 0 ? -1 : 1;
+            edge[k][0] = sign * c0;
+            edge[k][1] = sign * c1;
+            edge[k][2] = sign * c2;
+        }
         const auto beyond = [&](auto&& place, double sign, double(&c)[4]) {
             std::fill(c, c + 4, 0.0);
             for (int k = 0; k < 3; ++k) {
                 const double e0 = sign * (depth - static_cast<double>(place(k))), e1 = sign * grows;
-                const double w[3] = {turned * at(slices_.edge[k].c0), turned * at(slices_.edge[k].c1),
-                                     turned * at(slices_.edge[k].c2)};
                 for (int i = 0; i < 3; ++i) {
-                    c[i] += w[i] * e0;
-                    c[i + 1] += w[i] * e1;
+                    c[i] += edge[k][i] * e0;
+                    c[i + 1] += edge[k][i] * e1;
                 }
             }
         };
@@ -158,11 +163,10 @@ void ScatterQuery<Real>::add_shadowed(const L& enter, const L& leave, const Mask
     if (((blockers.after | blockers.before) & sheet_.shapes_.known()) == 0)
         return add_traced(enter, leave, mask);
     const L middle = Real(0.5) * (enter + leave), half = Real(0.5) * (leave - enter);
-    const Quadratic<Real>& area = slices_.area;
-    const L q1 = half * multiply_add(Real(2) * area.c2, middle, area.c1), q2 = half * half * area.c2;
+    const L q1 = half * multiply_add(Real(2) * area_.c2, middle, area_.c1), q2 = half * half * area_.c2;
     // Where the beam narrows, what is linear in depth is not along the segment.
     const Mask<Real> uneven =
-        mask & ~(magnitude(q1) + Real(3) * magnitude(q2) <= Real(kEvenShadows) * magnitude(area(middle)));
+        mask & ~(magnitude(q1) + Real(3) * magnitude(q2) <= Real(kEvenShadows) * magnitude(area_(middle)));
     const int parts = any(uneven) ? kShadowParts : 1;
     for (int i = 0; i < parts; ++i) {
         const auto at = [&](int k) {

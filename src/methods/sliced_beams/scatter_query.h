@@ -145,7 +145,8 @@ private:
     BeamCorner<Real> corners_[BeamCluster<Real>::kMost];  ///< of a cluster
     ClusterSlices<Real> cluster_;
     BeamCorner<Real> corner_[3];  ///< of a beam
-    BeamSlices<Real> slices_;
+    const Quadratic<Real>* edge_[3]{};  ///< of the beam, but for signs: those that face its corners
+    Quadratic<Real> area_;              ///< m^2, twice the beam's
     std::uint32_t beam_ = 0;
     std::uint8_t shade_ = 0;  ///< of the beam
     Real flux_ = 0;           ///< of the beam, doubled as its area is

@@ -31,7 +31,7 @@ void ScatterQuery<Real>::add_uneven(const L& enter, const L& leave, Mask<Real> m
 template <class Real>
 Mask<Real> ScatterQuery<Real>::add_whole(const L& enter, const L& leave, const Mask<Real>& mask) {
     L middle = Real(0.5) * (enter + leave), half = Real(0.5) * (leave - enter);
-    const auto [q0, q1, q2] = part_of(slices_.area, middle, half);
+    const auto [q0, q1, q2] = part_of(area_, middle, half);
     Mask<Real> taken = mask & (magnitude(q1) + Real(3) * magnitude(q2) <= Real(kEvenArea) * magnitude(q0));
     if (!any(taken)) return taken;
     constexpr Real u = Real(0.5773502691896258);  // Gauss & Legendre's rule, exact for degree three
@@ -136,9 +136,9 @@ void ScatterQuery<Real>::add_part(const SegmentScatter& scatter, std::size_t pie
     const double half = 0.5 * (to - from) * scale;
     const auto value = [&](const Quadratic<Real>& q) { return at(q.c0) + t * (at(q.c1) + t * at(q.c2)); };
     // Integral over [-1, 1] of one over the area.
-    const double q0 = value(slices_.area);
-    const double q1 = half * (at(slices_.area.c1) + 2 * t * at(slices_.area.c2));
-    const double q2 = half * half * at(slices_.area.c2);
+    const double q0 = value(area_);
+    const double q1 = half * (at(area_.c1) + 2 * t * at(area_.c2));
+    const double q2 = half * half * at(area_.c2);
     double weight[3];
     if (std::abs(q1) + 3 * std::abs(q2) <= kEvenEnough * std::abs(q0) ||
         !product_weights(q0, q1, q2, weight)) {
@@ -162,7 +162,7 @@ void ScatterQuery<Real>::add_part(const SegmentScatter& scatter, std::size_t pie
     if (!(before + after > 0)) return;
     t += half * 2 / 3 * (after - before) / (before + after);
     // The ray through it.
-    glm::dvec3 w(value(slices_.edge[0]), value(slices_.edge[1]), value(slices_.edge[2]));
+    glm::dvec3 w = glm::abs(glm::dvec3(value(*edge_[0]), value(*edge_[1]), value(*edge_[2])));
     const double whole = w.x + w.y + w.z;
     w = whole != 0 ? w / whole : glm::dvec3(1.0 / 3);
     glm::dvec3 slope(0, 0, 1);
