@@ -102,7 +102,7 @@ TEST(Scatter, PiecesCoverPointsAsOftenAsPathsMeetThem) {
                                            half * lanes.to_depth};
             const BeamCluster<float>& cluster = scatter.clusters()[coverage.pyramid().index(node)];
             BeamCorner<float> corners[BeamCluster<float>::kMost];
-            scatter.corners(cluster, {0, 0}, corners);
+            cluster.corners({0, 0}, corners);
             ClusterSlices<float> slices;
             slices.find(cluster, corners, part, met);
             slices.visit_pieces([&](int beam, const auto& enter, const auto& leave, const auto& mask) {

@@ -9,21 +9,25 @@ namespace dapple::methods::sliced_beams {
 namespace {
 
 template <class Real>
-void add_beam(BeamCluster<Real>& cluster, std::uint32_t beam, const SheetCoverage<Real>& coverage,
-              const BeamWays<Real>& ways) {
+void add_beam(BeamCluster<Real>& cluster, std::uint32_t (&known)[BeamCluster<Real>::kMost],
+              std::uint32_t beam, const SheetCoverage<Real>& coverage, const BeamWays<Real>& ways) {
     const glm::uvec3& triangle = coverage.triangles()[beam];
     typename BeamCluster<Real>::Beam& added = cluster.beam[cluster.beams++];
     added.triangle = beam;
     added.shade = ways.shade(beam);
     for (int k = 0; k < 3; ++k) {
         const std::uint32_t vertex = triangle[k];
-        const std::uint32_t* const end = cluster.vertex + cluster.vertices;
-        const std::uint32_t* const known = std::find<const std::uint32_t*>(cluster.vertex, end, vertex);
-        if (known == end) cluster.vertex[cluster.vertices++] = vertex;
-        added.corner[k] = static_cast<std::uint8_t>(known - cluster.vertex);
+        const auto& ray = coverage.sheet().rays[vertex];
+        const std::uint32_t* const end = known + cluster.vertices;
+        const std::uint32_t* const place = std::find<const std::uint32_t*>(known, end, vertex);
+        added.corner[k] = static_cast<std::uint8_t>(place - known);
+        if (place == end) {
+            known[cluster.vertices] = vertex;
+            cluster.ray[cluster.vertices++] = {ray.a, ray.b, ray.slope_a, ray.slope_b,
+                                               coverage.sheet().start[vertex]};
+        }
         cluster.first_start = std::min(cluster.first_start, coverage.sheet().start[vertex]);
         cluster.last_start = std::max(cluster.last_start, coverage.sheet().start[vertex]);
-        const auto& ray = coverage.sheet().rays[vertex];
         const Real stretch = std::sqrt(1 + ray.slope_a * ray.slope_a + ray.slope_b * ray.slope_b);
         cluster.least_stretch = std::min(cluster.least_stretch, stretch);
         cluster.most_stretch = std::max(cluster.most_stretch, stretch);
@@ -38,6 +42,9 @@ void add_beam(BeamCluster<Real>& cluster, std::uint32_t beam, const SheetCoverag
             if ((edge.from == from && edge.to == to) || (edge.from == to && edge.to == from)) break;
         }
         if (e == cluster.edges) cluster.edge[cluster.edges++] = {from, to};
+        const auto &p = cluster.ray[from], &q = cluster.ray[to];
+        cluster.slope_spread =
+            std::max(cluster.slope_spread, std::hypot(q.slope_a - p.slope_a, q.slope_b - p.slope_b));
         added.edge[k] = static_cast<std::uint8_t>(e);
         added.turned[k] = cluster.edge[e].from == from ? 0 : 1;
     }
@@ -55,11 +62,12 @@ std::vector<BeamCluster<Real>> beam_clusters(const SheetCoverage<Real>& coverage
     parallel_for(clusters.size(), 4096, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             const std::size_t row = i / columns, column = i % columns;
+            std::uint32_t vertices[BeamCluster<Real>::kMost];
             for (const std::uint32_t beam :
                  pyramid.beams({0, static_cast<std::uint32_t>(row), static_cast<std::uint32_t>(column)}))
                 if (beam != kNoBeam && coverage.sheet().flux[beam] > 0 &&
                     !(ways.shade(beam) & BeamWays<Real>::kDark))
-                    add_beam(clusters[i], beam, coverage, ways);
+                    add_beam(clusters[i], vertices, beam, coverage, ways);
         }
     });
     return clusters;

@@ -13,17 +13,17 @@ template <class Real>
 struct BeamCluster {
     static constexpr int kMost = 3 * kClusterBeams;  ///< of vertices and edges: where beams share none
     struct Edge {
-        std::uint8_t from, to;  ///< index into `vertex`
+        std::uint8_t from, to;  ///< index into `ray`
     };
     struct Beam {
         std::uint32_t triangle;
-        std::uint8_t corner[3];  ///< index into `vertex`
+        std::uint8_t corner[3];  ///< index into `ray`
         std::uint8_t edge[3];    ///< index into `edge`, of the one that faces a corner
         std::uint8_t turned[3];  ///< 1 where the edge runs the other way about the beam
         std::uint8_t shade;      ///< BeamWays::Shade
     };
 
-    std::uint32_t vertex[kMost];  ///< of the water's mesh
+    BeamCorner<Real> ray[kMost];  ///< a vertex
     Edge edge[kMost];
     Beam beam[kClusterBeams];
     std::uint8_t vertices = 0, edges = 0, beams = 0;
@@ -31,6 +31,14 @@ struct BeamCluster {
     Real last_start = -std::numeric_limits<Real>::infinity();  ///< m, all beams have left the water by there
     Real first_stop = std::numeric_limits<Real>::infinity();   ///< m, no beam is cut by an object before
     Real least_stretch = std::numeric_limits<Real>::infinity(), most_stretch = 0;  ///< m of way a m of depth
+    Real slope_spread = 0;  ///< m a m, largest difference of two slopes of one beam
+
+    /// Its rays, turned by `shift`, m a m of depth from where they leave the water.
+    void corners(glm::vec<2, Real> shift, BeamCorner<Real> (&corner)[kMost]) const {
+        for (int k = 0; k < vertices; ++k)
+            corner[k] = {ray[k].a - ray[k].start * shift.x, ray[k].b - ray[k].start * shift.y,
+                         ray[k].slope_a + shift.x, ray[k].slope_b + shift.y, ray[k].start};
+    }
 };
 
 /// Of all finest nodes of a sheet's pyramid, in their order.

@@ -19,9 +19,11 @@ public:
     /// p, /sr; `squared_sine`: of theta / 2, [0, 1].
     Lanes<Real> operator()(Lanes<Real> squared_sine) const {
         if (lobe_count_ > 0) {
-            Lanes<Real> sum = of_lobe(lobes_[0], squared_sine);
-            if (lobe_count_ > 1) sum += of_lobe(lobes_[1], squared_sine);
-            return sum;
+            const Lanes<Real> first = denominator(lobes_[0], squared_sine);
+            if (lobe_count_ == 1) return lobes_[0].share / first;
+            // Over one denominator: quotients are dear.
+            const Lanes<Real> second = denominator(lobes_[1], squared_sine);
+            return (lobes_[0].share * second + lobes_[1].share * first) / (first * second);
         }
         return values_.empty() ? splat(even_) : tabulated(squared_sine);
     }
@@ -38,10 +40,9 @@ public:
     Real constant() const { return even_; }
 
 private:
-    static Lanes<Real> of_lobe(const Lobe& lobe, Lanes<Real> squared_sine) {
-        const Lanes<Real> root =
-            inverse_root(multiply_add(splat(lobe.grows), squared_sine, splat(lobe.least)));
-        return lobe.share * root * (root * root);
+    static Lanes<Real> denominator(const Lobe& lobe, Lanes<Real> squared_sine) {
+        const Lanes<Real> square = multiply_add(splat(lobe.grows), squared_sine, splat(lobe.least));
+        return square * square_root<Real>(square);
     }
     Lanes<Real> tabulated(Lanes<Real> squared_sine) const;
     Real between(Real place) const;

@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -96,7 +97,8 @@ void ScatterBounds<Real>::visit(const SegmentLanes<Real>& s, glm::vec<2, Real> s
     const L reach = magnitude(s.a) + magnitude(s.b) + magnitude(s.depth) + s.length + largest_;
     const L room = Real(8) * std::numeric_limits<Real>::epsilon() * reach;
     const L inverse_depth = Real(1) / (s.to_depth + L{});
-    std::vector<Open> open;
+    std::array<Open, 3 * 32 + 1> open;  // a node of each level is parted, into four at most
+    std::size_t left = 0;
     for (const Slab& slab : slabs_) {
         // Slabs join without overlap: both get the same number for the place between them.
         const L at_from = (slab.from - s.depth) / s.to_depth, at_to = (slab.to - s.depth) / s.to_depth;
@@ -108,11 +110,10 @@ void ScatterBounds<Real>::visit(const SegmentLanes<Real>& s, glm::vec<2, Real> s
         first = level ? s.first : first;
         last = level ? (within ? s.length : splat(Real(-1))) : last;
         if (!any(first <= last)) continue;
-        open.push_back({pyramid_.root(), first, last});
-        while (!open.empty()) {
-            const NodeId id = open.back().node;
-            L from = open.back().from, to = open.back().to;
-            open.pop_back();
+        open[left++] = {pyramid_.root(), first, last};
+        while (left > 0) {
+            const NodeId id = open[--left].node;
+            L from = open[left].from, to = open[left].to;
             if (!left_out_.empty() && left_out_[id.level][pyramid_.index(id)]) continue;
             const Node& n = slab.levels[id.level][pyramid_.index(id)];
             if (!(n.stop > slab.from)) continue;
@@ -143,7 +144,7 @@ void ScatterBounds<Real>::visit(const SegmentLanes<Real>& s, glm::vec<2, Real> s
             else
                 pyramid_.visit_children(id, [&](NodeId child) {
                     __builtin_prefetch(&slab.levels[child.level][pyramid_.index(child)]);
-                    open.push_back({child, from, to});
+                    open[left++] = {child, from, to};
                 });
         }
     }

@@ -173,8 +173,11 @@ bool ScatterQuery<Real>::begin_moments(const BeamCluster<Real>& cluster, const M
                                multiply_add(magnitude(part_.half_depth), splat(most), half_)) +
                   (cluster.last_start - start) * most;
     if (any(met & (off * medium_.most > kSmooth<Real>))) return false;
-    mean_path_ = greater(multiply_add(below, splat(stretch), middle_), L{});
-    for (L& moment : moments_) moment = L{};
+    const L path = greater(multiply_add(below, splat(stretch), middle_), L{});
+    const L all_off = off + magnitude(path - mean_path_);
+    if (any(met & has_moments_ & (all_off * medium_.most > kSmooth<Real>))) settle_moments();
+    mean_path_ = has_moments_ ? mean_path_ : path;
+    has_moments_ |= met;
     return true;
 }
 
@@ -195,7 +198,7 @@ template <class Real>
 template <int kCount>
 void ScatterQuery<Real>::gather(const L (&place)[kCount], const L (&weight)[kCount], const L& half,
                                 const Mask<Real>& mask) {
-    const L scale = half * flux_;
+    const L scale = half * half_ * flux_;
     for (int j = 0; j < kCount; ++j) {
         const Node n = node(place[j]);
         L light = weight[j] * scale * n.stretch * (*medium_.phase)(n.squared_sine);
@@ -221,8 +224,10 @@ void ScatterQuery<Real>::settle_moments() {
         for (int i = kMoments - 1; i > 0; --i)
             sum = multiply_add(sum, splat(-extinction / static_cast<Real>(i)), moments_[i - 1]);
         const Real scale = medium_.scattering[channel] * color_[channel];
-        radiance_[channel] += half_ * scale * decay(extinction * mean_path_) * sum;
+        radiance_[channel] += scale * decay(extinction * mean_path_) * sum;
     }
+    for (L& moment : moments_) moment = L{};
+    has_moments_ = Mask<Real>{};
 }
 
 template <class Real>

@@ -26,6 +26,7 @@ void ScatterQuery<Real>::run() {
                              take_part(from, to, met);
                              add_cluster(sheet_.clusters_[pyramid.index(node)], met);
                          });
+    settle_moments();
     settle_pairs();
 }
 
@@ -46,7 +47,7 @@ template <class Real>
 void ScatterQuery<Real>::add_cluster(const BeamCluster<Real>& cluster, const Mask<Real>& met) {
     const light::BeamSheet<Real>& sheet = sheet_.coverage_.sheet();
     counts_.beams += static_cast<std::size_t>(kLanes<Real> * cluster.beams);
-    sheet_.corners(cluster, direction_.shift, corners_);
+    cluster.corners(direction_.shift, corners_);
     cluster_.find(cluster, corners_, part_, met);
     const bool free = lies_free(cluster, met);
     by_moments_ = begin_moments(cluster, met);
@@ -69,7 +70,6 @@ void ScatterQuery<Real>::add_cluster(const BeamCluster<Real>& cluster, const Mas
         else
             cut_piece(enter, leave, mask);
     });
-    if (by_moments_ && known) settle_moments();
 }
 
 template <class Real>

@@ -88,7 +88,7 @@ private:
     Node node(const L& t) const;
 
     /// Whether light is dimmed so alike on all ways over a cluster that a few moments of them tell it:
-    /// prepares them.
+    /// prepares them, together with those of clusters before where these are near.
     bool begin_moments(const BeamCluster<Real>& cluster, const Mask<Real>& met);
     void add_moments(const L& enter, const L& leave, const Mask<Real>& mask);
     void settle_moments();
@@ -144,7 +144,7 @@ private:
     L middle_{}, half_{};                                 ///< of the part, m along the segments
     BeamCorner<Real> corners_[BeamCluster<Real>::kMost];  ///< of a cluster
     ClusterSlices<Real> cluster_;
-    BeamCorner<Real> corner_[3];  ///< of a beam
+    BeamCorner<Real> corner_[3];        ///< of a beam
     const Quadratic<Real>* edge_[3]{};  ///< of the beam, but for signs: those that face its corners
     Quadratic<Real> area_;              ///< m^2, twice the beam's
     std::uint32_t beam_ = 0;
@@ -152,8 +152,10 @@ private:
     Real flux_ = 0;           ///< of the beam, doubled as its area is
     static constexpr int kMoments = 5;
     bool by_moments_ = false;
-    L mean_path_{};          ///< m, about which moments are taken
-    L moments_[kMoments]{};  ///< of a cluster's light, undimmed, per path^i
+    bool one_node_ = false;    ///< does for intervals of the cluster on which the area changes little
+    Mask<Real> has_moments_{};  ///< lanes
+    L mean_path_{};            ///< m, about which moments are taken
+    L moments_[kMoments]{};    ///< of some clusters' light, undimmed, per path^i
 
     /// Light of a part of an interval, if nothing stands in its way.
     struct Pair {

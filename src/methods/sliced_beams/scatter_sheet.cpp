@@ -81,19 +81,6 @@ glm::dvec3 ScatterSheet<Real>::collapsed() const {
 }
 
 template <class Real>
-void ScatterSheet<Real>::corners(const BeamCluster<Real>& cluster, glm::vec<2, Real> shift,
-                                 BeamCorner<Real> (&corner)[BeamCluster<Real>::kMost]) const {
-    const light::BeamSheet<Real>& sheet = coverage_.sheet();
-    for (int k = 0; k < cluster.vertices; ++k) {
-        const std::uint32_t vertex = cluster.vertex[k];
-        const auto& ray = sheet.rays[vertex];
-        const Real start = sheet.start[vertex];
-        corner[k] = {ray.a - start * shift.x, ray.b - start * shift.y, ray.slope_a + shift.x,
-                     ray.slope_b + shift.y, start};
-    }
-}
-
-template <class Real>
 SegmentLanes<Real> ScatterSheet<Real>::in_sheet(const SegmentGroup<Real>& group) const {
     const glm::mat<3, 3, Real> world_from_sheet(coverage_.sheet().world_from_mesh);
     const auto along = [&](const Lanes<Real>(&v)[3], int axis) {

@@ -101,9 +101,6 @@ public:
     const BeamWays<Real>& ways() const { return ways_; }
     const ScatterBounds<Real>& bounds() const { return bounds_; }
     const std::vector<BeamCluster<Real>>& clusters() const { return clusters_; }
-    /// The rays of a cluster's vertices, moved.
-    void corners(const BeamCluster<Real>& cluster, glm::vec<2, Real> shift,
-                 BeamCorner<Real> (&corner)[BeamCluster<Real>::kMost]) const;
 
 private:
     template <class>
