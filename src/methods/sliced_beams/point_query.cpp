@@ -68,18 +68,19 @@ typename PointQuery<Real>::Reach PointQuery<Real>::reach(const Receiver<Real>& l
 template <class Real>
 Real PointQuery<Real>::lean(NodeId node, const Reach& reach) const {
     using Pyramid = BeamPyramid<Real>;
+    if (reach.lean == 0) return 0;
     const bool all = reach.plane && sheet_.pyramid().meets(node, reach.plane->position,
                                                            reach.plane->normal) == Pyramid::Meets::all;
     return all ? Real(0) : reach.lean;
 }
 
 template <class Real>
-Box<Real> PointQuery<Real>::covered_box(NodeId node, const Reach& reach) const {
-    return sheet_.pyramid().box(node, reach.low, reach.high, lean(node, reach));
+Box<Real> PointQuery<Real>::covered_box(NodeId node, const Reach& reach, Real lean) const {
+    return sheet_.pyramid().box(node, reach.low, reach.high, lean);
 }
 
 template <class Real>
-Box<Real> PointQuery<Real>::reached_box(NodeId node, const Reach& reach) const {
+Box<Real> PointQuery<Real>::reached_box(NodeId node, const Reach& reach, Real lean) const {
     const BeamPyramid<Real>& pyramid = sheet_.pyramid();
     const Margin& margin = margins_[node.level][pyramid.index(node)];
     const Real range = pyramid.farthest() - pyramid.nearest();
@@ -90,7 +91,7 @@ Box<Real> PointQuery<Real>::reached_box(NodeId node, const Reach& reach) const {
         return margin.near + t * (margin.far - margin.near);
     };
     const Real room = Real(1.1 * kFoldShare) * reach.stretch * std::max(at(reach.low), at(reach.high));
-    Box<Real> box = pyramid.box(node, reach.low - room, reach.high + room, lean(node, reach));
+    Box<Real> box = pyramid.box(node, reach.low - room, reach.high + room, lean);
     box.low_a -= room;
     box.high_a += room;
     box.low_b -= room;
@@ -125,8 +126,9 @@ std::vector<typename PointQuery<Real>::FoundNode> PointQuery<Real>::find_nodes(
             const NodeId node = open.back();
             open.pop_back();
             if (pyramid.dark(node)) continue;
-            const Box<Real> covered = covered_box(node, all);
-            const Box<Real> reached = folds ? reached_box(node, all) : covered;
+            const Real leans = lean(node, all);
+            const Box<Real> covered = covered_box(node, all, leans);
+            const Box<Real> reached = folds ? reached_box(node, all, leans) : covered;
             if (!overlap(reached, bounds)) continue;
             const Real size_a = reached.high_a - reached.low_a, size_b = reached.high_b - reached.low_b;
             if (node.level == 0 || (size_a < small_a && size_b < small_b))
@@ -206,7 +208,10 @@ void PointQuery<Real>::visit_hits(const Receiver<Real>& local, std::span<const F
                 const NodeId node = open.back();
                 open.pop_back();
                 if (pyramid.dark(node)) continue;
-                if (!overlap(covered_box(node, at), own) && !overlap(reached_box(node, at), own)) continue;
+                const Real leans = lean(node, at);
+                if (!overlap(covered_box(node, at, leans), own) &&
+                    !overlap(reached_box(node, at, leans), own))
+                    continue;
                 if (node.level > 0)
                     pyramid.visit_children(node, [&](NodeId child) { open.push_back(child); });
                 else
@@ -224,8 +229,9 @@ void PointQuery<Real>::visit_hits(const Receiver<Real>& local, std::span<const F
             const NodeId node = open.back();
             open.pop_back();
             if (pyramid.dark(node)) continue;
-            const bool covers = overlap(covered_box(node, at), own);
-            if (!covers && !(by_folds && overlap(reached_box(node, at), own))) continue;
+            const Real leans = lean(node, at);
+            const bool covers = overlap(covered_box(node, at, leans), own);
+            if (!covers && !(by_folds && overlap(reached_box(node, at, leans), own))) continue;
             if (node.level > 0)
                 pyramid.visit_children(node, [&](NodeId child) { open.push_back(child); });
             else if (covers != by_folds)
@@ -350,7 +356,7 @@ void PointQuery<Real>::count_on_plane(std::span<const Receiver<Real>> locals,
     while (!open.empty()) {
         const NodeId node = open.back();
         open.pop_back();
-        if (pyramid.dark(node) || !overlap(covered_box(node, at), bounds)) continue;
+        if (pyramid.dark(node) || !overlap(covered_box(node, at, lean(node, at)), bounds)) continue;
         if (node.level == 0)
             look_at(node);
         else

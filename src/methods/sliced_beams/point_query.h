@@ -71,8 +71,9 @@ private:
     void find_margins();
     Reach reach(const Receiver<Real>& local) const;
     /// Where points can lie that the node's beams cover, and that they cover or flag.
-    Box<Real> covered_box(NodeId node, const Reach& reach) const;
-    Box<Real> reached_box(NodeId node, const Reach& reach) const;
+    Box<Real> covered_box(NodeId node, const Reach& reach, Real lean) const;
+    Box<Real> reached_box(NodeId node, const Reach& reach, Real lean) const;
+    /// By how much of the points' planes' lean the node's bounds are to be widened.
     Real lean(NodeId node, const Reach& reach) const;
     /// `folds_found`: false where so many may flag the points that only those that may cover one are given.
     std::vector<FoundNode> find_nodes(std::span<const Receiver<Real>> locals, bool& folds_found) const;
