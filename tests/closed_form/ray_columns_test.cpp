@@ -60,7 +60,7 @@ double worst_off(const scene::FrameScene& scene, double deepest, std::size_t& co
         glm::dvec3 expected = media.optical_depth({0.1, 0, 0.1}, {0, -1, 0}, depth, true);
         expected -= depth * media.components()[0].extinction;
         if (std::min({expected.x, expected.y, expected.z}) > 60) break;  // no light is left
-        for (const std::size_t beam : {30, 41}) {
+        for (const std::size_t beam : {std::size_t{30}, std::size_t{41}}) {
             const glm::dvec3 found = columns.optical_depth(beam, {0.5, 0.3, 0.2}, depth);
             for (int c = 0; c < 3; ++c) worst = std::max(worst, std::abs(found[c] - expected[c]));
         }

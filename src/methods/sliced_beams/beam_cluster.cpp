@@ -42,9 +42,6 @@ void add_beam(BeamCluster<Real>& cluster, std::uint32_t (&known)[BeamCluster<Rea
             if ((edge.from == from && edge.to == to) || (edge.from == to && edge.to == from)) break;
         }
         if (e == cluster.edges) cluster.edge[cluster.edges++] = {from, to};
-        const auto &p = cluster.ray[from], &q = cluster.ray[to];
-        cluster.slope_spread =
-            std::max(cluster.slope_spread, std::hypot(q.slope_a - p.slope_a, q.slope_b - p.slope_b));
         added.edge[k] = static_cast<std::uint8_t>(e);
         added.turned[k] = cluster.edge[e].from == from ? 0 : 1;
     }

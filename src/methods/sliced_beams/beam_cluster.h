@@ -31,7 +31,6 @@ struct BeamCluster {
     Real last_start = -std::numeric_limits<Real>::infinity();  ///< m, all beams have left the water by there
     Real first_stop = std::numeric_limits<Real>::infinity();   ///< m, no beam is cut by an object before
     Real least_stretch = std::numeric_limits<Real>::infinity(), most_stretch = 0;  ///< m of way a m of depth
-    Real slope_spread = 0;  ///< m a m, largest difference of two slopes of one beam
 
     /// Its rays, turned by `shift`, m a m of depth from where they leave the water.
     void corners(glm::vec<2, Real> shift, BeamCorner<Real> (&corner)[kMost]) const {

@@ -39,11 +39,14 @@ ColumnSpan column_span(const media::DensityProfile& profile, std::size_t compone
     const double begin = profile.place[low], length = profile.place[high] - begin;
     if (!(all > cut) || !(length > 0)) return span;
     span.begin = static_cast<float>(begin / stretch);
-    for (int level = 0; level < ColumnSpan::kLevels; ++level) {
-        const std::uint32_t steps = ColumnSpan::points(level) - 1;
+    const auto set_level = [&](int level) {
         span.level = static_cast<std::uint8_t>(level);
-        span.last = steps;
-        span.inverse_step = static_cast<float>(steps * stretch / length);
+        span.last = ColumnSpan::points(level) - 1;
+        span.inverse_step = static_cast<float>(span.last * stretch / length);
+    };
+    for (int level = 0; level < ColumnSpan::kLevels; ++level) {
+        set_level(level);
+        const std::uint32_t steps = span.last;
         // Where the density changes between two points, in their middle, or where it has a kink.
         ColumnReader at_points(profile, component), between(profile, component);
         std::size_t kink = low + 1;
@@ -62,8 +65,9 @@ ColumnSpan column_span(const media::DensityProfile& profile, std::size_t compone
             before = after;
         }
         span.coarse = worst * extinction > kColumnTolerance;
-        if (!span.coarse) break;
+        if (!span.coarse) return span;
     }
+    set_level(0);
     return span;
 }
 

@@ -28,8 +28,8 @@ struct ColumnSpan {
 /// A tenth of it is cut off at either end.
 constexpr double kColumnTolerance = 0.005;
 
-/// The span of a component of the profile, with as many points as keep to the tolerance, or with the most and
-/// coarse. `extinction`: of the densest channel, /m. `stretch`: m of way a m of depth.
+/// The span of a component of the profile, with as many points as keep to the tolerance, or with the fewest
+/// and coarse. `extinction`: of the densest channel, /m. `stretch`: m of way a m of depth.
 ColumnSpan column_span(const media::DensityProfile& profile, std::size_t component, double extinction,
                        double stretch);
 

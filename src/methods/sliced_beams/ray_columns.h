@@ -49,7 +49,8 @@ public:
     /// At most: with a ray in the middle of each of two beams.
     static double bytes(double rays, std::size_t media) {
         const double entries = 3 * rays, spans = entries * static_cast<double>(media);
-        const double points = std::max(kMostPoints * spans, 2.0 * kPlenty);
+        const double points = std::max(kMostPoints * spans / 3, double{kPlenty}) +
+                              std::max(kMostPoints * spans * 2 / 3, double{kPlenty});
         return entries * sizeof(std::uint32_t) + spans * sizeof(ColumnSpan) + points * sizeof(float);
     }
 

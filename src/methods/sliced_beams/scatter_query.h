@@ -152,10 +152,9 @@ private:
     Real flux_ = 0;           ///< of the beam, doubled as its area is
     static constexpr int kMoments = 5;
     bool by_moments_ = false;
-    bool one_node_ = false;    ///< does for intervals of the cluster on which the area changes little
     Mask<Real> has_moments_{};  ///< lanes
-    L mean_path_{};            ///< m, about which moments are taken
-    L moments_[kMoments]{};    ///< of some clusters' light, undimmed, per path^i
+    L mean_path_{};             ///< m, about which moments are taken
+    L moments_[kMoments]{};     ///< of some clusters' light, undimmed, per path^i
 
     /// Light of a part of an interval, if nothing stands in its way.
     struct Pair {
