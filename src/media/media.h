@@ -9,6 +9,9 @@
 
 namespace dapple::media {
 
+/// Light from beyond so many optical depths, e^-60 of it, is left out.
+constexpr double kOpaque = 60;
+
 /// Densities of all components along a straight segment. Between two places density is smooth (a polynomial
 /// of degree three at most), so that the integral between them is exact by Simpson's rule, and its Hermite
 /// interpolation from the values and their slopes is good to fourth order.

@@ -25,17 +25,18 @@ private:
 
 }  // namespace
 
-ColumnSpan column_span(const media::DensityProfile& profile, std::size_t component, double extinction,
-                       double stretch) {
+ColumnSpan column_span(const media::DensityProfile& profile, std::size_t component, double densest,
+                       double clearest, double stretch) {
     ColumnSpan span;
     const std::size_t places = profile.place.size();
     const auto column = [&](std::size_t place) {
         return profile.column[place * profile.components + component];
     };
-    const double cut = 0.1 * kColumnTolerance / std::max(extinction, 1e-300), all = column(places - 1);
+    const double cut = 0.1 * kColumnTolerance / std::max(densest, 1e-300), all = column(places - 1);
     std::size_t low = 0, high = places - 1;
     while (low < high && column(low + 1) <= cut) ++low;
-    while (high > low && all - column(high - 1) <= cut) --high;
+    while (high > low && (all - column(high - 1) <= cut || column(high - 1) * clearest > media::kOpaque))
+        --high;
     const double begin = profile.place[low], length = profile.place[high] - begin;
     if (!(all > cut) || !(length > 0)) return span;
     span.begin = static_cast<float>(begin / stretch);
@@ -64,7 +65,7 @@ ColumnSpan column_span(const media::DensityProfile& profile, std::size_t compone
             for (; kink < high && profile.place[kink] < to; ++kink) look_at(profile.place[kink]);
             before = after;
         }
-        span.coarse = worst * extinction > kColumnTolerance;
+        span.coarse = worst * densest > kColumnTolerance;
         if (!span.coarse) return span;
     }
     set_level(0);

@@ -29,9 +29,9 @@ struct ColumnSpan {
 constexpr double kColumnTolerance = 0.005;
 
 /// The span of a component of the profile, with as many points as keep to the tolerance, or with the fewest
-/// and coarse. `extinction`: of the densest channel, /m. `stretch`: m of way a m of depth.
-ColumnSpan column_span(const media::DensityProfile& profile, std::size_t component, double extinction,
-                       double stretch);
+/// and coarse. `densest`, `clearest`: extinction of these channels, /m. `stretch`: m of way a m of depth.
+ColumnSpan column_span(const media::DensityProfile& profile, std::size_t component, double densest,
+                       double clearest, double stretch);
 
 /// Columns at the points of a span of that profile that is not empty, m of way.
 void fill_columns(const media::DensityProfile& profile, std::size_t component, double stretch,

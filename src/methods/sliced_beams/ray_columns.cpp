@@ -13,8 +13,6 @@ namespace {
 /// nothing yet, a face may part them, on which it is off by up to a quarter of that; where all are inside,
 /// hardly ever.
 constexpr float kParted = 0.1f, kUnlike = 0.5f;
-/// Light beyond so many optical depths needs no exact one.
-constexpr float kOpaque = 60;
 /// m; a bounded medium that matters is nearer to the water than that.
 constexpr double kReach = 1e4;
 
@@ -93,7 +91,8 @@ void RayColumns<Real>::add_entries(std::vector<std::uint32_t>& entries, RayOf&& 
         });
     };
     visit([&](const media::DensityProfile& along, std::size_t m, ColumnSpan& span, double stretch) {
-        span = column_span(along, m + 1, static_cast<double>(most_[m]), stretch);
+        span =
+            column_span(along, m + 1, static_cast<double>(most_[m]), static_cast<double>(least_[m]), stretch);
     });
     // Where all do not fit, those of the most points are told by the fewest.
     const std::span<ColumnSpan> spans = std::span(spans_).subspan(known);
@@ -174,7 +173,7 @@ void RayColumns<Real>::Spread::take(const Lanes<float>& densest_here, const Lane
 template <class Real>
 Mask<float> RayColumns<Real>::Spread::unlike() const {
     const Lanes<float> most = first > static_cast<float>(kColumnTolerance) ? splat(kUnlike) : splat(kParted);
-    return (last - first > most) & (clearest < kOpaque);
+    return (last - first > most) & (clearest < static_cast<float>(media::kOpaque));
 }
 
 template <class Real>
@@ -217,7 +216,8 @@ void RayColumns<Real>::add_optical_depth(std::size_t beam, const Lanes<float> (&
         add_entry(first_[rays[k]], depth, weight, counts, spread, found);
     }
     if (middle != kNone) add_entry(middle, depth, 3.0f * least, least > 0, spread, found);
-    const Mask<float> parted = mask & (spread.unlike() | (spread.coarse & (spread.clearest < kOpaque)));
+    const Mask<float> parted =
+        mask & (spread.unlike() | (spread.coarse & (spread.clearest < static_cast<float>(media::kOpaque))));
     for (unsigned lanes = bits(parted); lanes != 0; lanes &= lanes - 1) {
         const int lane = __builtin_ctz(lanes);
         const glm::dvec3 share(weights[0][lane], weights[1][lane], weights[2][lane]);

@@ -179,8 +179,8 @@ void ScatterPass::add(const LayerSegments& layer, std::span<const Direction> dir
     std::optional<gpu::Buffer> phases;
     {
         const ScopedPass pass(stats, "scattering");
-        const float longest =
-            medium.least > 0 ? static_cast<float>(kOpaque) / medium.least : std::numeric_limits<float>::max();
+        const float longest = medium.least > 0 ? static_cast<float>(media::kOpaque) / medium.least
+                                               : std::numeric_limits<float>::max();
         all = collect(layer, longest);
         const float none[1] = {0};
         const auto values = medium.phase->values();

@@ -83,7 +83,7 @@ void ScatterQuery<Real>::add_thick(L enter, L leave, const L& from, const L& to,
     L way = magnitude(to - from);
     if (medium_.least > 0) {
         const L least = lesser(from, to);
-        const L seen = splat(Real(kOpaque) / medium_.least) - greater(least, L{});
+        const L seen = splat(Real(media::kOpaque) / medium_.least) - greater(least, L{});
         const L share = way > 0 ? lesser(greater(seen / way, L{}), splat(Real(1))) : splat(Real(1));
         const L length = leave - enter;
         leave = from <= to ? enter + share * length : leave;

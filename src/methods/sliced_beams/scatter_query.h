@@ -8,9 +8,6 @@
 
 namespace dapple::methods::sliced_beams {
 
-/// Light beyond so many optical depths, e^-60 of it, is left out.
-constexpr double kOpaque = 60;
-
 /// One query of a ScatterSheet: finds the intervals of a group of segments in its beams (scatter_query.cpp)
 /// and adds up the light of each (scatter_piece.cpp).
 template <class Real>

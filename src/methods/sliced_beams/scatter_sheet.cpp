@@ -102,7 +102,7 @@ void ScatterSheet<Real>::add(const SegmentGroup<Real>& segments, const LightDire
                              Lanes<Real> (&radiance)[3], ScatterCounts& counts) const {
     if (coverage_.pyramid().empty()) return;
     SegmentLanes<Real> lanes = in_sheet(segments);
-    if (medium.least > 0) lanes.length = lesser(lanes.length, splat(Real(kOpaque) / medium.least));
+    if (medium.least > 0) lanes.length = lesser(lanes.length, splat(Real(media::kOpaque) / medium.least));
     if (uneven) {
         for (int lane = 0; lane < kLanes<Real>; ++lane) {
             if (!uneven->uneven[lane]) continue;

@@ -9,8 +9,6 @@ namespace {
 /// Of a piece on which W is a cubic, at most: optical depth, and length, m.
 constexpr double kThin = 0.1, kShort = 0.25;
 constexpr double kMostPieces = 4096;  ///< of one piece of the profile
-/// Light from beyond so many optical depths is left out.
-constexpr double kOpaque = 60;
 
 /// e^-x for x about kThin, up to three times that where density is uneven: Taylor's polynomial, off by
 /// x^7 / 7!, 4e-8 there.
@@ -48,7 +46,7 @@ SegmentScatter::SegmentScatter(const media::Media& media, const glm::dvec3& orig
             whole += column * components[c].extinction;
             lit |= is_lit(c);
         }
-        if (std::min({depth.x, depth.y, depth.z}) > kOpaque) break;
+        if (std::min({depth.x, depth.y, depth.z}) > media::kOpaque) break;
         if (!lit && place_.empty()) {  // nothing yet
             depth += whole;
             continue;
@@ -61,7 +59,7 @@ SegmentScatter::SegmentScatter(const media::Media& media, const glm::dvec3& orig
         };
         const auto opaque_at = [&](double t) {
             const glm::dvec3 sum = depth_at(t);
-            return std::min({sum.x, sum.y, sum.z}) > kOpaque;
+            return std::min({sum.x, sum.y, sum.z}) > media::kOpaque;
         };
         double reach = 1;  // share of the piece from which light comes
         if (lit && opaque_at(1)) {
