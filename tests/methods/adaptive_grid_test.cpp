@@ -55,9 +55,9 @@ void expect_holes_only_off_body(const RefinedGrid& refined) {
 
 /// Light that meets the body does so in a triangle.
 void expect_all_of_body(const RefinedGrid& refined, const PathTracer& tracer) {
-    constexpr int kSide = 100;
+    constexpr std::uint64_t kSide = 100;
     std::vector<glm::dvec2> uv;
-    for (int i = 0; i < kSide * kSide; ++i)
+    for (std::uint64_t i = 0; i < kSide * kSide; ++i)
         uv.push_back((glm::dvec2(i % kSide, i / kSide) + glm::dvec2(hash_uniform(8, 0, i, 0), 0.5)) /
                      static_cast<double>(kSide));
     const std::vector<glm::dvec2> entries = tracer.entries(uv);
