@@ -155,7 +155,7 @@ float within_media(Along ray, float place, float sense, float width, float wide)
         uint at = ray.entry + media[m].ray_first;
         float inverse = ray_columns[at + 1u];
         if (inverse == 0.0) continue;
-        float begin = ray_columns[at] - ray.base, end = begin + float(media[m].ray_places - 1u) / inverse;
+        float begin = ray_columns[at] - ray.base, end = begin + ray_columns[at + 2u] / inverse;
         float enters = sense * ((sense > 0.0 ? begin : end) - place),
               leaves = sense * ((sense > 0.0 ? end : begin) - place);
         float least = 1e-3 * width;

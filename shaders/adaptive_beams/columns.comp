@@ -14,7 +14,7 @@ layout(binding = 4) uniform sampler3D bricks;
 layout(scalar, push_constant) uniform Push { ColumnPush push; };
 
 const int kCells = 8;  // along a brick; it has a voxel more
-const float kMostSteps = 64.0;  // between two places
+const float kMostSteps = 4096.0;  // between two places
 const float kNode = 0.211324865;
 
 float density(vec3 at) {
@@ -41,14 +41,20 @@ void write(MediaLine line, uint at) {
         }
     }
     bool meets = begin < end;
-    uint places = push.places;
+    // One a voxel, as far as there is room.
+    uint places = 2u;
+    if (meets && body.grid == 1u) {
+        float voxels = ceil(min(length(direction) * (end - begin), 1e6));
+        places = clamp(uint(voxels) + 1u, min(push.least, push.places), push.places);
+    }
     float step = meets ? (end - begin) / float(places - 1u) : 0.0;
     columns[at] = begin;
     columns[at + 1u] = meets ? 1.0 / step : 0.0;
+    columns[at + 2u] = float(places - 1u);
     float metres = length(line.direction) * body.density * step, sum = 0.0;
     float steps = clamp(ceil(length(direction) * step), 1.0, kMostSteps);
     for (uint k = 0u; k < places; ++k) {
-        columns[at + 2u + k] = sum;
+        columns[at + 3u + k] = sum;
         if (body.grid == 0u) {
             sum += metres;
         } else if (meets) {

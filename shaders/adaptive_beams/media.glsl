@@ -10,19 +10,23 @@ layout(scalar, binding = 8) readonly buffer Rays { BeamRays rays_of[]; };       
 
 // m: integrals of density along the camera ray of the pixel whose entry begins at `entry`, up to three places.
 vec3 columns_along_ray(uint medium, uint entry, vec3 t) {
-    uint places = media[medium].ray_places, at = entry + media[medium].ray_first;
-    vec3 place = clamp((t - ray_columns[at]) * ray_columns[at + 1u], 0.0, float(places - 1u));
-    uvec3 before = min(uvec3(place), places - 2u) + at + 2u;
-    vec3 share = place - floor(min(place, float(places - 2u)));
+    uint at = entry + media[medium].ray_first;
+    float last = ray_columns[at + 2u];
+    vec3 place = clamp((t - ray_columns[at]) * ray_columns[at + 1u], 0.0, last);
+    vec3 whole = floor(min(place, last - 1.0));
+    uvec3 before = uvec3(whole) + at + 3u;
+    vec3 share = place - whole;
     return mix(vec3(ray_columns[before.x], ray_columns[before.y], ray_columns[before.z]),
                vec3(ray_columns[before.x + 1u], ray_columns[before.y + 1u], ray_columns[before.z + 1u]), share);
 }
 
 // The same along a ray of light.
-float light_column(uint places, uint at, float below) {
-    float place = clamp((below - light_columns[at]) * light_columns[at + 1u], 0.0, float(places - 1u));
-    uint before = min(uint(place), places - 2u);
-    return mix(light_columns[at + 2u + before], light_columns[at + 3u + before], place - float(before));
+float light_column(uint at, float below) {
+    float last = light_columns[at + 2u];
+    float place = clamp((below - light_columns[at]) * light_columns[at + 1u], 0.0, last);
+    float whole = floor(min(place, last - 1.0));
+    uint before = at + 3u + uint(whole);
+    return mix(light_columns[before], light_columns[before + 1u], place - whole);
 }
 
 // The three rays of a beam's lattice about a place, and its shares of them; without any there are no shares.
@@ -64,15 +68,13 @@ vec3 light_depth(int beam, vec3 share, vec3 point, vec3 light, float below, floa
     Among rays = among(beam, share);
     vec3 sum = push.extinction * way;
     for (uint m = 0u; m < uint(media.length()); ++m) {
-        uint places = media[m].light_places;
         float column = 0.0;
-        if (places == 0u) {
+        if (media[m].in_light == 0u) {
             column = box_column(m, point, light, below, way);
         } else if (rays.share != vec3(0.0)) {
             uvec3 at = rays.at + media[m].light_first;
-            column = rays.share.x * light_column(places, at.x, below) +
-                     rays.share.y * light_column(places, at.y, below) +
-                     rays.share.z * light_column(places, at.z, below);
+            column = rays.share.x * light_column(at.x, below) + rays.share.y * light_column(at.y, below) +
+                     rays.share.z * light_column(at.z, below);
         }
         sum += column * media[m].extinction;
     }
@@ -97,7 +99,7 @@ void clip_to_media(uint entry, inout float from, inout float to) {
         float begin = ray_columns[at], inverse = ray_columns[at + 1u];
         if (inverse == 0.0 || media[m].scattering == vec3(0.0)) continue;
         first = min(first, begin);
-        last = max(last, begin + float(media[m].ray_places - 1u) / inverse);
+        last = max(last, begin + ray_columns[at + 2u] / inverse);
     }
     from = max(from, first);
     to = min(to, last);

@@ -1,6 +1,6 @@
-// The oracle of adaptive beams: which edges and triangles of the projected grid are split (Liktor and
-// Dachsbacher 2011, 4.2). GLSL and C++ at once, by the rules of optics/language.h; layout/beam_oracle.h
-// stands before it.
+// The oracle of adaptive beams: which edges and triangles of the projected grid are kept, split or discarded
+// (Liktor and Dachsbacher 2011, 4.2). GLSL and C++ at once, by the rules of optics/language.h;
+// layout/beam_oracle.h stands before it.
 
 // What an edge is split for; 0: it is kept.
 const uint kKept = 0u;
@@ -12,7 +12,7 @@ const uint kSpotEdge = 5u;
 const uint kLanding = 6u;  // beams bend: landing points between the ends are not between those of the ends
 const uint kHidden = 7u;   // of triangles: texels differ from what the corners say
 
-const uint kDiscarded = 8u;  // of triangles: the body is not met anywhere in it
+const uint kDiscarded = 8u;  // of triangles: the body is not met anywhere in it; it leaves the grid
 
 const uint kOracleWays =
     4u;  // a vertex: first and last leg of the transmitted path, then of the reflected one

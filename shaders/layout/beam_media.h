@@ -1,6 +1,7 @@
 // Bounded media as beams meet them (shaders/adaptive_beams/media*). A table of columns has an entry a line,
 // and of each medium in it: the parameter of the line where it enters the medium's box, 1 over the step
-// between places (0: it does not enter), and the integral of density up to each of so many places [m].
+// between places (0: it does not enter), the number of the last place on this line (1 at least), and the
+// integral of density up to each place [m].
 #ifndef DAPPLE_LAYOUT_BEAM_MEDIA
 #define DAPPLE_LAYOUT_BEAM_MEDIA
 #include "layout/types.h"
@@ -39,24 +40,24 @@ struct ColumnPush {
     uint lines;
     uint entry;      // floats of an entry
     uint first;      // of the medium in its entry
-    uint places;     // 2 at least
+    uint places;     // on a line, at most; 2 at least
+    uint least;      // of a grid, if it may have as many
     float in_water;  // lines that are looked at
 };
 
 // A medium as fragments see it. Tables are those of camera rays (t in m) and of the rays of beams (t in m of
 // depth after the last surface).
 struct DrawnMedium {
-    vec3 extinction;  // 1/m where density is 1
-    vec3 scattering;  // the same
-    vec3 lobes;       // of two_lobe_phase, in its order
-    int phase_table;  // first value of the phase function in the tables; negative: two lobes
-    float step;       // m: a voxel's width
-    float steepest;   // 1/m: how fast optical depth grows along the camera and the light, at most
-    float thickest;   // greatest density
-    uint ray_first;   // of the medium in a camera ray's entry
-    uint ray_places;
-    uint light_first;   // of the medium in a beam's ray's entry
-    uint light_places;  // 0: a box, of which light's columns are found from where it lies
+    vec3 extinction;   // 1/m where density is 1
+    vec3 scattering;   // the same
+    vec3 lobes;        // of two_lobe_phase, in its order
+    int phase_table;   // first value of the phase function in the tables; negative: two lobes
+    float step;        // m: a voxel's width
+    float steepest;    // 1/m: how fast optical depth grows along the camera and the light, at most
+    float thickest;    // greatest density
+    uint ray_first;    // of the medium in a camera ray's entry
+    uint light_first;  // of the medium in a beam's ray's entry
+    uint in_light;     // 0: a box, of which light's columns are found from where it lies
     // Of a box: local = turn * position + shift, from mesh space; local is -1 to 1.
     vec3 turn_x, turn_y, turn_z;  // columns
     vec3 shift;

@@ -1,4 +1,4 @@
-// What rasterised beams send to pixels, from beams made by the test: closed forms, seams, both volumes.
+// What rasterised beams send to pixels, from beams made by the test: closed forms, both volumes.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -26,6 +26,7 @@ using test::draw;
 using test::Drawn;
 using test::flat_scene;
 using test::kFloor;
+using test::wavy_scene;
 
 constexpr double kIndex = 1.333;
 
@@ -161,30 +162,6 @@ TEST(HugeExtinction, HasTheClosedForm) {
     }
 }
 
-/// Gentle crests over a floor, both volumes, before and beyond their foci.
-scene::FrameScene wavy_scene(int cells, double amplitude) {
-    constexpr double kWave = 2 * glm::pi<double>() / 1.1;
-    scene::FrameScene scene = test::scene_of_water({6, 6}, cells, cells, [&](double x, double z) {
-        const double a = kWave * (x + 0.3 * z), b = 1.3 * kWave * (z - 0.2 * x) + 1;
-        return amplitude * glm::dvec3(std::sin(a) + std::sin(b), kWave * (std::cos(a) - 0.26 * std::cos(b)),
-                                      kWave * (0.3 * std::cos(a) + 1.3 * std::cos(b)));
-    });
-    scene.state.lights = {test::sun_from_zenith(30)};
-    scene.state.water->absorption = {0.1, 0.05, 0.02};
-    scene.state.water->scattering = {0.1, 0.1, 0.1};
-    scene.state.water->phase.type = scene::PhaseType::henyey_greenstein;
-    scene.state.water->phase.anisotropy = 0.7;
-    scene.state.clip.width = 64;
-    scene.state.clip.height = 36;
-    scene.state.clip.samples = 1;
-    scene.state.camera.position = {-1.4, -1.2, 1.1};
-    scene.state.camera.target = {0.9, -1.9, -0.4};
-    scene.state.camera.field_of_view = 40 * scene::kDegree;
-    scene.state.objects = {test::level_plane("floor", -kFloor, 100)};
-    scene.object_meshes.resize(1);
-    return scene;
-}
-
 TEST(Volumes, GiveEqualPicturesAndSixTrianglesHaveFewerFragments) {
     for (const double amplitude : {0.004, 0.02}) {
         const scene::FrameScene scene = wavy_scene(40, amplitude);
@@ -214,34 +191,6 @@ TEST(Volumes, GiveEqualPicturesAndSixTrianglesHaveFewerFragments) {
         // edges.
         EXPECT_LT(worst, 1e-4);
     }
-}
-
-/// Largest second difference from pixel to pixel, relative to the value.
-double roughness(const std::vector<glm::vec3>& row) {
-    double worst = 0;
-    for (std::size_t i = 1; i + 1 < row.size(); ++i) {
-        const double before = row[i - 1].g, here = row[i].g, after = row[i + 1].g;
-        worst = std::max(worst, std::abs(before - 2 * here + after) / here);
-    }
-    return worst;
-}
-
-TEST(Seams, BetweenBeamsAreNotSeen) {
-    scene::FrameScene scene = wavy_scene(100, 0.004);
-    scene.state.clip.width = 512;
-    scene.state.clip.height = 1;
-    scene.state.camera.field_of_view = 0.04 * scene::kDegree;  // of the height, a 512th of the width
-    const rays::RayScene rays(scene);
-    // Beams of 6 cm are some 45 pixels wide.
-    const Drawn drawn = draw(scene, test::drawn_sheets(scene, rays, kFloor));
-    scene.state.camera.target = scene.state.camera.position + glm::dvec3(0.6, -1, 0.1);
-    const Drawn floor = draw(scene, test::drawn_sheets(scene, rays, kFloor));
-    const double s = roughness(drawn.sums.scattered), e = roughness(floor.sums.irradiance);
-    printf("seams: second differences of %.1e of S and %.1e of E\n", s, e);
-    EXPECT_GT(s, 0);
-    EXPECT_LE(s, 0.002);
-    EXPECT_GT(e, 0);
-    EXPECT_LE(e, 0.002);
 }
 
 TEST(Paper, HasTheSameSumsUnderFlatWater) {

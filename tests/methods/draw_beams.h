@@ -1,5 +1,7 @@
 #pragma once
+#include <cmath>
 #include <cstdint>
+#include <glm/gtc/constants.hpp>
 #include <limits>
 #include <vector>
 
@@ -45,6 +47,30 @@ inline scene::FrameScene flat_scene(double zenith, int cells) {
     scene.state.clip.width = 48;
     scene.state.clip.height = 36;
     scene.state.clip.samples = 1;
+    scene.state.objects = {level_plane("floor", -kFloor, 100)};
+    scene.object_meshes.resize(1);
+    return scene;
+}
+
+/// Gentle crests over a level floor, object 0; one sample a pixel.
+inline scene::FrameScene wavy_scene(int cells, double amplitude) {
+    constexpr double kWave = 2 * glm::pi<double>() / 1.1;
+    scene::FrameScene scene = scene_of_water({6, 6}, cells, cells, [&](double x, double z) {
+        const double a = kWave * (x + 0.3 * z), b = 1.3 * kWave * (z - 0.2 * x) + 1;
+        return amplitude * glm::dvec3(std::sin(a) + std::sin(b), kWave * (std::cos(a) - 0.26 * std::cos(b)),
+                                      kWave * (0.3 * std::cos(a) + 1.3 * std::cos(b)));
+    });
+    scene.state.lights = {sun_from_zenith(30)};
+    scene.state.water->absorption = {0.1, 0.05, 0.02};
+    scene.state.water->scattering = {0.1, 0.1, 0.1};
+    scene.state.water->phase.type = scene::PhaseType::henyey_greenstein;
+    scene.state.water->phase.anisotropy = 0.7;
+    scene.state.clip.width = 64;
+    scene.state.clip.height = 36;
+    scene.state.clip.samples = 1;
+    scene.state.camera.position = {-1.4, -1.2, 1.1};
+    scene.state.camera.target = {0.9, -1.9, -0.4};
+    scene.state.camera.field_of_view = 40 * scene::kDegree;
     scene.state.objects = {level_plane("floor", -kFloor, 100)};
     scene.object_meshes.resize(1);
     return scene;

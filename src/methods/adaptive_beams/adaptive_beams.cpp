@@ -6,6 +6,7 @@
 
 #include "methods/adaptive_beams/beam_renderer.h"
 #include "methods/adaptive_beams/bounded_beams.h"
+#include "methods/adaptive_beams/light_lattices.h"
 #include "methods/adaptive_beams/make_beams.h"
 #include "methods/adaptive_beams/refinement.h"
 

@@ -110,8 +110,8 @@ struct BeamRenderer::State {
     void write_pixels(const view::SegmentLayer* segments, const view::ReceiverLayer* receivers,
                       std::size_t first, std::array<std::span<glm::vec4>, kImages> texels) const;
     const gpu::RasterPipeline& pipeline(const SetOnDevice& set, bool listed) const;
-    void render_rows(const view::SegmentLayer* segments, const view::ReceiverLayer* receivers, int first_row,
-                     int rows, BeamSums& sums, FrameStats& stats);
+    void render_rows(const PictureRays& rays, const view::ReceiverLayer* receivers, int first_row, int rows,
+                     BeamSums& sums, FrameStats& stats);
 
     gpu::Device& device;
     std::uint64_t largest_buffer = 0;
@@ -285,6 +285,9 @@ BeamSums BeamRenderer::render(const view::SegmentLayer* segments, const view::Re
     BeamSums sums{std::vector<glm::vec3>(count, glm::vec3(0)), std::vector<glm::vec3>(count, glm::vec3(0))};
     if (s.sets.empty()) return sums;
     int rows = clip.height;
+    const int sample = segments ? segments->sample : receivers->sample;
+    const PictureRays rays{segments, &*s.camera, view::Camera::sample_offset(sample, clip.samples)};
+    if (s.has_bounded) s.bounded->look_along(rays, stats);
     if (s.has_bounded && segments) {
         const std::uint64_t row =
             s.bounded->ray_entry() * sizeof(float) * static_cast<std::uint64_t>(clip.width);
@@ -293,7 +296,7 @@ BeamSums BeamRenderer::render(const view::SegmentLayer* segments, const view::Re
             static_cast<std::uint64_t>(clip.height)));
     }
     for (int first = 0; first < clip.height; first += rows)
-        s.render_rows(segments, receivers, first, std::min(rows, clip.height - first), sums, stats);
+        s.render_rows(rays, receivers, first, std::min(rows, clip.height - first), sums, stats);
     const double deviation = s.scene->state.caustics.adaptive_beams.paper_low_pass;
     if (s.shading == Shading::paper && receivers && deviation > 0) {
         const ScopedPass pass(stats, "low-pass");
@@ -304,9 +307,8 @@ BeamSums BeamRenderer::render(const view::SegmentLayer* segments, const view::Re
     return sums;
 }
 
-void BeamRenderer::State::render_rows(const view::SegmentLayer* segments,
-                                      const view::ReceiverLayer* receivers, int first_row, int rows,
-                                      BeamSums& sums, FrameStats& stats) {
+void BeamRenderer::State::render_rows(const PictureRays& rays, const view::ReceiverLayer* receivers,
+                                      int first_row, int rows, BeamSums& sums, FrameStats& stats) {
     const scene::Clip& clip = scene->state.clip;
     const auto width = static_cast<std::size_t>(clip.width);
     const std::size_t count = width * static_cast<std::size_t>(rows),
@@ -324,17 +326,15 @@ void BeamRenderer::State::render_rows(const view::SegmentLayer* segments,
         images.push_back(image(name));
     }
     const gpu::Image scattered = image("scattered light"), irradiance = image("irradiance");
-    const int sample = segments ? segments->sample : receivers->sample;
+    const int sample = rays.segments ? rays.segments->sample : receivers->sample;
     gpu::PassList passes(device);
     std::optional<RayColumns> columns;
     {
         const ScopedPass pass(stats, "beam raster");
-        write_pixels(segments, receivers, first_pixel,
+        write_pixels(rays.segments, receivers, first_pixel,
                      {texels[0].as<glm::vec4>(), texels[1].as<glm::vec4>(), texels[2].as<glm::vec4>(),
                       texels[3].as<glm::vec4>(), texels[4].as<glm::vec4>()});
-        if (has_bounded)
-            columns.emplace(bounded->ray_columns(segments, first_pixel, count, *camera,
-                                                 view::Camera::sample_offset(sample, clip.samples)));
+        if (has_bounded) columns.emplace(bounded->ray_columns(rays, first_pixel, count));
     }
     for (std::size_t i = 0; i < kImages; ++i) passes.copy("beam raster", texels[i], images[i]);
     if (columns) bounded->add_passes(passes, *columns);

@@ -14,7 +14,7 @@ namespace {
 
 static_assert(sizeof(layout::MediaLine) == 36);
 static_assert(sizeof(layout::MediaBody) == 128);
-static_assert(sizeof(layout::ColumnPush) == 20);
+static_assert(sizeof(layout::ColumnPush) == 24);
 
 constexpr std::size_t kGroup = 64;  // local_size_x of columns.comp
 constexpr std::size_t kMostGroups = 65535;
@@ -110,12 +110,26 @@ void MediaColumns::begin(const scene::FrameScene& scene, const media::Media& med
     for (const media::Part& part : media.parts()) s.parts.push_back(s.upload(scene, part, stats));
 }
 
-ColumnTable MediaColumns::table(bool in_water, std::uint32_t places, bool boxes) const {
+std::uint32_t MediaColumns::places(double voxels) {
+    return static_cast<std::uint32_t>(std::clamp(std::ceil(voxels) + 1, static_cast<double>(kLeastPlaces),
+                                                 static_cast<double>(kMostPlaces)));
+}
+
+double MediaColumns::voxels(std::size_t part, const glm::dvec3& origin, const glm::dvec3& direction,
+                            double length) const {
+    if (is_box(part)) return 0;
+    const media::Body& body = state_->media->parts()[part].body;
+    const media::Interval overlap = body.overlap(origin, direction, length);
+    return overlap.empty() ? 0 : (overlap.end - overlap.begin) * glm::length(body.place().turn * direction);
+}
+
+ColumnTable MediaColumns::table(bool in_water, std::span<const double> voxels, std::uint32_t most,
+                                bool boxes) const {
     ColumnTable table;
     const std::vector<media::Part>& parts = state_->media->parts();
     for (std::size_t i = 0; i < parts.size(); ++i) {
         if (!parts[i].on(in_water)) continue;
-        const std::uint32_t wanted = is_box(i) ? (boxes ? 2u : 0u) : places;
+        const std::uint32_t wanted = is_box(i) ? (boxes ? 2u : 0u) : std::min(most, places(voxels[i]));
         table.columns.push_back({i, table.entry, wanted});
         if (wanted > 0) table.entry += entry(wanted);
     }
@@ -132,7 +146,7 @@ void MediaColumns::add(gpu::PassList& passes, const ColumnTable& table, bool in_
                                .images = {&part.bricks},
                                .writes = {&columns}};
         bindings.set_push(layout::ColumnPush{static_cast<std::uint32_t>(count), entry, column.first,
-                                             column.places, in_water ? 1.0f : 0.0f});
+                                             column.places, kLeastPlaces, in_water ? 1.0f : 0.0f});
         const std::size_t groups = std::clamp<std::size_t>((count + kGroup - 1) / kGroup, 1, kMostGroups);
         passes.compute("columns of media", state_->pipeline, std::move(bindings),
                        {static_cast<std::uint32_t>(groups), 1, 1});

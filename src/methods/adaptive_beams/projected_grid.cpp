@@ -68,7 +68,11 @@ void ProjectedGrid::bisect(std::array<std::uint32_t, 3> v, std::array<std::uint3
     bisect({v[1], v[2], middles[0]}, {middles[1], kNone, kNone}, cut);
 }
 
-bool ProjectedGrid::split(std::span<const std::uint8_t> marked, std::size_t most) {
+bool ProjectedGrid::split(std::span<const std::uint8_t> marked, std::size_t most,
+                          std::span<const std::uint8_t> discarded) {
+    const auto stays = [&](std::uint32_t t) {
+        return t != kNone && (discarded.empty() || discarded[t] == 0);
+    };
     std::vector<std::uint8_t> marks(marked.begin(), marked.end());
     std::vector<std::uint32_t> pending;
     for (std::uint32_t e = 0; e < edges_.size(); ++e)
@@ -77,23 +81,26 @@ bool ProjectedGrid::split(std::span<const std::uint8_t> marked, std::size_t most
         const Edge& edge = edges_[pending.back()];
         pending.pop_back();
         for (const std::uint32_t t : edge.triangles) {
-            if (t == kNone) continue;
+            if (!stays(t)) continue;
             const std::uint32_t longest = triangles_[t].edges[0];
             if (marks[longest] != 0) continue;
             marks[longest] = 1;
             pending.push_back(longest);
         }
     }
-    std::size_t triangles = triangles_.size();
+    std::size_t triangles = 0;
+    for (std::uint32_t t = 0; t < triangles_.size(); ++t) triangles += stays(t) ? 1 : 0;
     for (std::uint32_t e = 0; e < edges_.size(); ++e)
-        if (marks[e] != 0) triangles += edges_[e].triangles[1] == kNone ? 1 : 2;
+        for (const std::uint32_t t : edges_[e].triangles) triangles += marks[e] != 0 && stays(t) ? 1 : 0;
     if (triangles > most) return false;
     std::vector<std::uint32_t> middles(edges_.size(), kNone);
     for (std::uint32_t e = 0; e < edges_.size(); ++e)
         if (marks[e] != 0) middles[e] = middle(e);
     std::vector<Triangle> cut;
     cut.reserve(2 * triangles_.size());
-    for (const Triangle& triangle : triangles_) {
+    for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
+        if (!stays(t)) continue;
+        const Triangle& triangle = triangles_[t];
         const auto of = [&](std::size_t i) { return middles[triangle.edges[i]]; };
         bisect(triangle.vertices, {of(0), of(1), of(2)}, cut);
     }

@@ -12,12 +12,13 @@ namespace dapple::methods::adaptive_beams {
 /// of two triangles each, which are split where edges are marked. All triangles are right-angled and have two
 /// equal sides; a split cuts the longest edge first (newest-vertex bisection, Mitchell 1991), so that no
 /// triangle ever becomes thinner, and an edge is cut for both its triangles, so that there is no crack.
-/// Vertices lie on a lattice of whole numbers. All orders are fixed.
+/// Triangles may be discarded; those beside them then have an edge that no other triangle has. Vertices lie
+/// on a lattice of whole numbers. All orders are fixed.
 class ProjectedGrid {
 public:
     struct Edge {
         std::array<std::uint32_t, 2> vertices;   ///< ascending
-        std::array<std::uint32_t, 2> triangles;  ///< the second kNone at the border of the view
+        std::array<std::uint32_t, 2> triangles;  ///< the second kNone at a border
     };
     struct Triangle {
         std::array<std::uint32_t, 3> vertices;  ///< the longest edge is between the first two
@@ -37,9 +38,12 @@ public:
     /// Only while there are levels left.
     std::uint32_t middle(std::uint32_t edge);
 
-    /// Cuts the marked edges (an entry an edge, not 0: marked), and the longest edge of every triangle that
-    /// has a marked one, once. False, and nothing is cut, if there would be more than `most` triangles.
-    bool split(std::span<const std::uint8_t> marked, std::size_t most = kNone);
+    /// Leaves out the triangles that are discarded (an entry a triangle, not 0: it is; no entries: none is),
+    /// then cuts the marked edges (an entry an edge, not 0: marked), and the longest edge of every triangle
+    /// that has a marked one, once. False, and nothing is changed, if there would be more than `most`
+    /// triangles.
+    bool split(std::span<const std::uint8_t> marked, std::size_t most = kNone,
+               std::span<const std::uint8_t> discarded = {});
 
 private:
     std::uint32_t vertex(glm::ivec2 point);

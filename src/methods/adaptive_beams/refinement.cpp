@@ -163,6 +163,7 @@ RefinedGrid refine(const scene::FrameScene& scene, const PathTracer& tracer, int
     OracleTask task;
     task.settings = settings_of(scene, tracer, body, texels);
     task.settings.textured = tracer.view().textured() ? 1 : 0;
+    std::ptrdiff_t cells_discarded = 0;
     for (int level = 0; level < levels; ++level) {
         {
             const ScopedPass tracing(stats, "beam grid");
@@ -170,16 +171,20 @@ RefinedGrid refine(const scene::FrameScene& scene, const PathTracer& tracer, int
         }
         const Verdicts verdicts = pass != nullptr ? pass->judge(task, surface, stats) : judge(task, surface);
         const ScopedPass splitting(stats, "beam grid");
-        std::vector<std::uint8_t> marks(grid.edges().size());
+        std::vector<std::uint8_t> marks(grid.edges().size()), discarded(grid.triangles().size());
         for (std::size_t e = 0; e < marks.size(); ++e) marks[e] = verdicts.edges[e] != oracle_rules::kKept;
-        for (std::size_t t = 0; t < verdicts.triangles.size(); ++t)
+        for (std::size_t t = 0; t < verdicts.triangles.size(); ++t) {
+            discarded[t] = verdicts.triangles[t] == oracle_rules::kDiscarded;
             if (verdicts.triangles[t] == oracle_rules::kHidden)
                 for (const std::uint32_t edge : grid.triangles()[t].edges) marks[edge] = 1;
-        if (!grid.split(marks, kMostTriangles)) {
+        }
+        if (!grid.split(marks, kMostTriangles, discarded)) {
             stats.count("levels of beams left out for want of room", levels - level);
             break;
         }
+        cells_discarded += std::count(discarded.begin(), discarded.end(), 1);
     }
+    if (cells_discarded > 0) stats.count("cells discarded", static_cast<double>(cells_discarded));
     const ScopedPass tracing(stats, "beam grid");
     if (body == light::kWater) refined.entry = merge_waves(tracer, grid, light_view, texels, rays);
     return refined;

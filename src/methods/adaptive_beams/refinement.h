@@ -18,8 +18,8 @@ struct RefinedGrid {
 /// A grid is not refined beyond this, so that many levels over a wide sea need no more memory than there is.
 constexpr std::size_t kMostTriangles = 1 << 19;
 
-/// Refines a grid of `cells` x `cells` squares up to `levels` times where the oracle asks for it. `pass` may
-/// be null: the oracle then is judge().
+/// Refines a grid of `cells` x `cells` squares up to `levels` times where the oracle asks for it, without the
+/// triangles in which it sees nothing of the body. `pass` may be null: the oracle then is judge().
 RefinedGrid refine(const scene::FrameScene& scene, const PathTracer& tracer, int body, int cells, int levels,
                    OraclePass* pass, FrameStats& stats);
 
