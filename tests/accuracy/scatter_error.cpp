@@ -137,7 +137,8 @@ double print(const std::string& name, const image::Image& found, const Expected&
     const std::vector<char> all(found.pixels(), 1);
     std::vector<char> direct(found.pixels(), 0);
     for (std::size_t i = 0; i < direct.size(); ++i)
-        direct[i] = test::channel(found, "direct")[i] > 0 && test::channel(expected.mean, "direct")[i] > 0;
+        if (test::channel(found, "direct")[i] > 0 && test::channel(expected.mean, "direct")[i] > 0)
+            direct[i] = 1;
     const auto line = [&](const std::vector<char>& pixels, const std::string& what) {
         const Errors one = errors(found, expected, pixels, 1), four = errors(found, expected, pixels, 4),
                      eight = errors(found, expected, pixels, 8);
