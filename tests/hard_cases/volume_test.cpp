@@ -361,7 +361,7 @@ TEST(VolumeStraddling, ABoxAcrossTheSurface) {
     expect_part_below("box", state);
 }
 
-constexpr double kThinSmoke = 1e-3, kDenseSmoke = 2;  ///< /m
+constexpr double kThinSmoke = 1e-3;  ///< /m
 
 /// Smoke of this extinction, /m, where its density is 1, as it is at most.
 void add_smoke(scene::FrameState& state, double extinction) {
@@ -387,6 +387,7 @@ TEST(VolumeStraddling, AGridAcrossTheSurface) {
 TEST(VolumeStraddling, ADenseGridAcrossTheSurface) {
     scene::FrameState state = straddled();
     add_smoke(state, kThinSmoke);
+    constexpr double kDenseSmoke = 2;  // /m
     // Were nothing taken, dense smoke would scatter so much more than thin smoke.
     const double whole = kDenseSmoke / kThinSmoke * rendered(state).mean;
     state.media[0].extinction = glm::dvec3(kDenseSmoke);
