@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <system_error>
 
+#include "base/error.h"
+
 namespace dapple {
 namespace {
 
@@ -51,15 +53,16 @@ std::string with_number(std::string text, const NumberPattern& place, std::int64
     return text.replace(place.begin, place.length, digits);
 }
 
-std::optional<std::string> held_file(std::int64_t number, std::int64_t first,
-                                     const std::function<std::string(std::int64_t)>& name) {
+std::string held_file(std::int64_t number, std::int64_t first,
+                      const std::function<std::string(std::int64_t)>& name) {
     constexpr std::int64_t longest_hold = 10000;  // a wrong pattern must not cost millions of looks
     for (std::int64_t n = number; n >= std::max(first, number - longest_hold); --n) {
         std::string path = name(n);
         std::error_code ignored;  // a folder that cannot be read shows when the file is
         if (std::filesystem::exists(path, ignored)) return path;
     }
-    return std::nullopt;
+    throw Error(ExitCode::input_unreadable,
+                clipped(name(number)) + ": no such file, and none before it to hold");
 }
 
 }  // namespace dapple

@@ -2,7 +2,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <optional>
 #include <string>
 #include <string_view>
 
@@ -21,8 +20,9 @@ NumberPattern find_number(std::string_view pattern);
 std::string with_number(std::string text, const NumberPattern& place, std::int64_t number);
 
 /// Of the files name(number), name(number - 1), ... name(first) the first that exists, where one of the next
-/// 10 000 does: what a sequence with gaps shows at a number when its files hold.
-std::optional<std::string> held_file(std::int64_t number, std::int64_t first,
-                                     const std::function<std::string(std::int64_t)>& name);
+/// 10 000 does: what a sequence with gaps shows at a number when its files hold. Throws
+/// Error(input_unreadable) where none is there.
+std::string held_file(std::int64_t number, std::int64_t first,
+                      const std::function<std::string(std::int64_t)>& name);
 
 }  // namespace dapple

@@ -2,6 +2,7 @@
 // may crash, as OpenVDB can on damaged files. Says what it finds as vdb_reply.h lays it out.
 #include <nanovdb/util/OpenToNanoVDB.h>
 #include <openvdb/io/File.h>
+#include <openvdb/io/GridDescriptor.h>
 #include <openvdb/tools/Prune.h>
 #include <sys/mman.h>
 #include <unistd.h>
@@ -11,6 +12,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <fstream>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -39,6 +41,46 @@ struct Refusal {
 
 std::string brief(const std::string& text, std::size_t longest = 60) {
     return text.size() <= longest ? text : text.substr(0, longest) + "...";
+}
+
+/// What OpenVDB knows of a file before its grids.
+class FileHead : public openvdb::io::Archive {
+public:
+    explicit FileHead(std::istream& file) {
+        readHeader(file);
+        setFormatVersion(file);  // which what follows is laid out by
+        setLibraryVersion(file);
+        openvdb::MetaMap().readMeta(file);
+        grids_ = readGridCount(file);
+    }
+    int grids() const { return grids_; }
+    bool has_grid_ends() const { return inputHasGridOffsets(); }
+
+private:
+    int grids_ = 0;
+};
+
+/// Refuses a file that is shorter than it says. OpenVDB's reader looks neither at a file's length nor, but
+/// for some compressions, at how much was left to read: it takes what is missing for names of nothing, or for
+/// zeros.
+void expect_whole_file(const std::string& path) {
+    std::ifstream file(path, std::ios::binary | std::ios::ate);
+    const auto size = static_cast<std::int64_t>(file.tellg());
+    if (size <= 0) refuse("is empty");
+    file.seekg(0);
+    const auto expect = [&](bool whole) {
+        if (!whole)
+            refuse("is cut off after " + std::to_string(size) + " bytes: it says that there are more");
+    };
+    const FileHead head(file);
+    expect(!file.fail());
+    if (!head.has_grid_ends()) return;
+    for (int grid = 0; grid < head.grids(); ++grid) {
+        openvdb::io::GridDescriptor described;
+        described.read(file);
+        expect(!file.fail() && described.getEndPos() <= size);
+        described.seekToEnd(file);
+    }
 }
 
 /// Where NanoVDB's converter writes to: the file that is shared with the parent.
@@ -240,6 +282,7 @@ int run(int count, char** arguments) {
     try {
         openvdb::initialize();
         limit_memory(arguments[2], most_bytes);
+        expect_whole_file(arguments[2]);
         if (info) {
             entries = list_grids(arguments[2]);
         } else {
@@ -251,7 +294,10 @@ int run(int count, char** arguments) {
         reply.outcome = refusal.outcome;
         copy_text(reply.message, refusal.message.c_str());
     } catch (const std::exception& fault) {
-        copy_text(reply.message, fault.what());  // which may be very long
+        // Of whatever part of the file it took for something else.
+        copy_text(reply.message, ("cannot be read to its end: it is cut off, damaged or no OpenVDB file (" +
+                                  brief(fault.what(), 200) + ")")
+                                     .c_str());
     }
     write_all(&reply, sizeof reply);
     if (!entries.empty() && reply.outcome == Outcome::done) {

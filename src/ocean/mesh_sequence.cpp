@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <limits>
 #include <utility>
 
@@ -35,17 +34,10 @@ double mean_edge(const scene::TriangleMesh& mesh) {
     return mesh.triangles.empty() ? 0 : std::sqrt(2 * area / static_cast<double>(mesh.triangles.size()));
 }
 
-bool exists(const std::string& path) {
-    std::error_code error;
-    return std::filesystem::exists(path, error);
-}
-
 std::string existing_file(const scene::MeshSequence& sequence, std::int64_t number) {
-    std::string wanted = scene::file_path(sequence, number);
-    if (sequence.missing == scene::MissingFrames::error || exists(wanted)) return wanted;
     const auto name = [&](std::int64_t n) { return scene::file_path(sequence, n); };
-    if (auto held = held_file(number - 1, sequence.first_file, name)) return *held;
-    throw Error(ExitCode::input_unreadable, clipped(wanted) + ": no such file, and none before it to hold");
+    if (sequence.missing == scene::MissingFrames::error) return name(number);
+    return held_file(number, sequence.first_file, name);
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "render/light_quadrature.h"
 #include "render/shading.h"
 #include "render/sun_depths.h"
+#include "render/way_depths.h"
 #include "scene/area_light.h"
 
 namespace dapple::render {
@@ -136,7 +137,7 @@ private:
         if (sun_depths_[index_of_light])
             dim(segment, *sun_depths_[index_of_light]);
         else if (!even_)
-            dim(light);
+            way_depths_.dim(light, shares_);
         if (!rays_.has_objects()) {
             for (const LightShare& share : shares_) radiance_[i] += glm::vec3(share.value);
             return;
@@ -150,27 +151,7 @@ private:
         }
     }
 
-    /// By what is lost between light and segment: its optical depth is found in the middles of strata of
-    /// equal light, and linear between.
-    void dim(const LightOnSegment& light) {
-        cut(shares_, 0.5, strata_);
-        if (strata_.empty()) return;
-        if (strata_.size() == 1) strata_.push_back(strata_.front());
-        depths_.clear();
-        for (const Stratum& stratum : strata_)
-            depths_.push_back(light.depth(stratum.place, light.way(stratum.place)));
-        std::size_t next = 1;
-        for (LightShare& share : shares_) {
-            const double place = 0.5 * (share.begin + share.end);
-            while (next + 1 < strata_.size() && strata_[next].place < place) ++next;
-            const double begin = strata_[next - 1].place, size = strata_[next].place - begin;
-            const double way = size > 0 ? (place - begin) / size : 0.5;
-            const glm::dvec3 depth = glm::mix(depths_[next - 1], depths_[next], way);
-            share.value *= glm::exp(-glm::max(depth, glm::dvec3(0)));
-        }
-    }
-
-    /// The same of the sun's light, share by share.
+    /// By what is lost between the sun and the segment, share by share.
     void dim(const Segment& segment, const SunDepths& depths) {
         for (LightShare& share : shares_)
             share.value *= glm::exp(-depths.depth(segment.at(0.5 * (share.begin + share.end))));
@@ -199,7 +180,7 @@ private:
     SegmentCells cells_;
     std::vector<LightShare> shares_;
     std::vector<Stratum> strata_;
-    std::vector<glm::dvec3> depths_;  ///< of the light's way to the strata's places
+    WayDepths way_depths_;
     std::vector<Candidate> candidates_;
     std::vector<rays::Ray> shadow_rays_;
 };

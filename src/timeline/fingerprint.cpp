@@ -98,12 +98,12 @@ bool exists(const std::string& path) {
     return std::filesystem::exists(path, ignored);
 }
 
-/// The file that a sequence shows for `number`; what is missing is told when it is loaded.
+/// The file that a sequence shows for `number`; where it is missing and none is there to hold: Error.
 template <class Sequence>
 std::string shown_file(const Sequence& sequence, std::int64_t number, bool hold) {
     const auto name = [&](std::int64_t n) { return scene::file_path(sequence, n); };
     if (!hold) return name(number);
-    return held_file(number, sequence.first_file, name).value_or(name(number));
+    return held_file(number, sequence.first_file, name);
 }
 
 void add_meshes(const Program& program, std::set<std::string>& files) {

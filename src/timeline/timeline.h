@@ -64,8 +64,8 @@ public:
     /// frames. The first one is in, because it sets the clock. Paths are relative to the timeline's folder.
     std::string fingerprint() const;
     /// Files that the frames of the clip need (textures, meshes, OCIO config), absolute, sorted, for checks
-    /// up front and the job's hash. Whether they exist is not looked at, but where a mesh sequence holds over
-    /// missing files the files that stand in for them are listed.
+    /// up front and the job's hash. Whether they exist is not looked at, but where a sequence holds over
+    /// missing files the files that stand in for them are listed; Error(input_unreadable) where there are none.
     std::vector<std::string> input_files() const;
 
 private:

@@ -13,6 +13,7 @@
 #include "base/error.h"
 #include "grids/openvdb_trees.h"
 #include "grids/test_files.h"
+#include "source_dir.h"
 
 namespace dapple::grids {
 namespace {
@@ -292,6 +293,31 @@ TEST_F(VdbFile, NoFileAtAll) {
         expect_error(ExitCode::input_unreadable, testing::A<std::string>());
         EXPECT_THROW(read_vdb_info(path_), Error);
     }
+}
+
+/// Whatever is cut away: OpenVDB itself looks at no file's length, and takes what is missing for zeros where
+/// voxels are not compressed.
+TEST_F(VdbFile, CutOffAnywhereIsToldAsThat) {
+    openvdb::initialize();
+    openvdb::io::File uncompressed(folder_.file("whole.vdb"));
+    uncompressed.setCompression(openvdb::io::COMPRESS_NONE);
+    uncompressed.write({cube("density", 20)});
+    for (const std::string& whole : {read_bytes(DAPPLE_SOURCE_DIR "/sequences/assets/smoke/smoke.0012.vdb"),
+                                     read_bytes(folder_.file("whole.vdb"))}) {
+        ASSERT_GT(whole.size(), 4000U);
+        const std::size_t size = whole.size();
+        for (const std::size_t left : {std::size_t{20}, std::size_t{60}, std::size_t{200}, size * 15 / 100,
+                                       size / 2, size * 9 / 10, size * 999 / 1000, size - 1}) {
+            SCOPED_TRACE(std::to_string(left) + " of " + std::to_string(size) + " bytes");
+            write_bytes(path_, whole.substr(0, left));
+            expect_error(ExitCode::input_unreadable, HasSubstr("cut off"));
+            EXPECT_THROW(read_vdb_info(path_), Error);
+        }
+        write_bytes(path_, whole);
+        EXPECT_FALSE(read_vdb(path_, "density", kPlenty)->empty());
+    }
+    write_bytes(path_, "");
+    expect_error(ExitCode::input_unreadable, HasSubstr("is empty"));
 }
 
 TEST_F(VdbFile, LongNamesDoNotMakeLongMessages) {

@@ -12,12 +12,14 @@
 #include <string>
 #include <vector>
 
+#include "base/error.h"
 #include "source_dir.h"
 
 namespace dapple::timeline {
 namespace {
 
 using testing::ElementsAre;
+using testing::HasSubstr;
 
 constexpr double kDegree = std::numbers::pi / 180;
 
@@ -423,11 +425,26 @@ TEST(Timeline, JerlovTypesGiveWhatIsNotGiven) {
 
 TEST(Timeline, GridSequencesListTheFilesOfTheirFrames) {
     const auto path = [](int n) { return "/clips/s.0" + std::to_string(n) + ".vdb"; };
-    EXPECT_THAT(parse(kMedia).input_files(), ElementsAre(path(3), path(4), path(5)));
-    EXPECT_THAT(parse(kMedia, {"clip.frames=11-14"}).input_files(), ElementsAre(path(3), path(4)));
+    const std::string named = "media.smoke.missing=error";
+    EXPECT_THAT(parse(kMedia, {named}).input_files(), ElementsAre(path(3), path(4), path(5)));
+    EXPECT_THAT(parse(kMedia, {named, "clip.frames=11-14"}).input_files(), ElementsAre(path(3), path(4)));
     EXPECT_THAT(parse(kMedia, {"media.smoke.missing=empty"}).input_files(), ElementsAre());  // none is there
     EXPECT_THAT(parse(kMedia, {"media=[{type: grid, file: a.vdb}]"}).input_files(),
                 ElementsAre("/clips/a.vdb"));
+}
+
+/// What a check whether files are there would say of the one alone is not the whole.
+TEST(Timeline, SequencesWithNothingToHoldSaySo) {
+    for (const auto& [text, hold] : {std::pair(kMedia, "media.smoke.missing=hold"),
+                                     std::pair(kSequence, "water.surface.missing=hold")}) {
+        try {
+            parse(text, {hold}).input_files();
+            ADD_FAILURE();
+        } catch (const Error& error) {
+            EXPECT_EQ(error.code(), ExitCode::input_unreadable);
+            EXPECT_THAT(error.what(), HasSubstr("no such file, and none before it to hold"));
+        }
+    }
 }
 
 TEST(Fingerprint, SeesEveryChangeOfMedia) {
