@@ -65,7 +65,8 @@ public:
     std::string fingerprint() const;
     /// Files that the frames of the clip need (textures, meshes, OCIO config), absolute, sorted, for checks
     /// up front and the job's hash. Whether they exist is not looked at, but where a sequence holds over
-    /// missing files the files that stand in for them are listed; Error(input_unreadable) where there are none.
+    /// missing files the files that stand in for them are listed; Error(input_unreadable) where there are
+    /// none.
     std::vector<std::string> input_files() const;
 
 private:
