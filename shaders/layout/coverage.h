@@ -52,7 +52,6 @@ struct CurvedReceiver {
 };
 
 struct CoveragePush {
-    vec3 color;       // W/m^2 or W/sr a channel for a flux of 1
     vec3 absorption;  // 1/m a channel
     uint count;       // of invocations with something to do
 };

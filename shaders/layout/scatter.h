@@ -14,7 +14,7 @@ struct ScatterRay {
 
 struct ScatterBeam {
     uint corner[3];    // indices of rays
-    float flux;        // twice the beam's, unit of BeamSheet::flux
+    vec3 flux;         // twice the beam's, of each channel, unit of BeamSheet::flux
     float last_start;  // m, depth from which on all of it is below the water
     float first_stop;  // m, depth from which on an object may have stopped it
 };

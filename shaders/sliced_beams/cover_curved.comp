@@ -8,7 +8,7 @@
 
 layout(local_size_x = 64) in;
 layout(scalar, binding = 0) readonly buffer Rays { CoverageRay rays[]; };
-layout(scalar, binding = 1) readonly buffer Flux { float fluxes[]; };
+layout(scalar, binding = 1) readonly buffer Power { vec3 powers[]; };  // W of beams
 layout(scalar, binding = 2) readonly buffer Triangles { uvec3 triangles[]; };
 layout(scalar, binding = 3) readonly buffer Clusters { CoverageCluster clusters[]; };
 layout(scalar, binding = 4) readonly buffer Blocks { CoverageBlock blocks[]; };
@@ -19,7 +19,7 @@ layout(scalar, push_constant) uniform Push { CoveragePush push; };
 
 struct Beam {
     CoverageRay r0, r1, r2;
-    float flux;
+    vec3 power;
 };
 Beam beam_of(uint index) {
     bool present = index != 0xffffffffu;
@@ -28,11 +28,11 @@ Beam beam_of(uint index) {
     beam.r0 = rays[corner.x];
     beam.r1 = rays[corner.y];
     beam.r2 = rays[corner.z];
-    beam.flux = present ? fluxes[index] : 0.0;
+    beam.power = present ? powers[index] : vec3(0.0);
     return beam;
 }
 LandedBeam land_at(CurvedReceiver r, Beam beam) {
-    return land_beam(beam.r0, beam.r1, beam.r2, beam.flux, r.frame, push.color, push.absorption);
+    return land_beam(beam.r0, beam.r1, beam.r2, beam.power, r.frame, push.absorption);
 }
 vec3 power_at(CurvedReceiver r, Beam beam) {
     LandedBeam landed = land_at(r, beam);

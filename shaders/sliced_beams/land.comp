@@ -7,7 +7,7 @@
 
 layout(local_size_x = 64) in;
 layout(scalar, binding = 0) readonly buffer Rays { CoverageRay rays[]; };
-layout(scalar, binding = 1) readonly buffer Flux { float fluxes[]; };
+layout(scalar, binding = 1) readonly buffer Power { vec3 powers[]; };  // W of beams
 layout(scalar, binding = 2) readonly buffer Triangles { uvec3 triangles[]; };
 layout(scalar, binding = 3) readonly buffer Clusters { CoverageCluster clusters[]; };
 layout(scalar, binding = 4) readonly buffer Frames { CoverageFrame frames[]; };
@@ -20,6 +20,6 @@ void main() {
     uint beam = clusters[i / 8].beam[i % 8];
     bool present = beam != 0xffffffffu;
     uvec3 corner = triangles[present ? beam : 0];
-    landed[i] = land_beam(rays[corner.x], rays[corner.y], rays[corner.z], present ? fluxes[beam] : 0.0,
-                          frames[clusters[i / 8].frame], push.color, push.absorption);
+    landed[i] = land_beam(rays[corner.x], rays[corner.y], rays[corner.z], present ? powers[beam] : vec3(0.0),
+                          frames[clusters[i / 8].frame], push.absorption);
 }

@@ -22,8 +22,8 @@ bool land_ray(CoverageRay ray, CoverageFrame frame, out vec2 landed, out float w
     return meets;
 }
 
-// A beam with its colour and absorption; without power where it does not land.
-LandedBeam land_beam(CoverageRay r0, CoverageRay r1, CoverageRay r2, float flux, CoverageFrame frame, vec3 color,
+// A beam with its absorption; without power where it does not land.
+LandedBeam land_beam(CoverageRay r0, CoverageRay r1, CoverageRay r2, vec3 power, CoverageFrame frame,
                      vec3 absorption) {
     vec2 p0, p1, p2;
     float way0, way1, way2;
@@ -31,11 +31,11 @@ LandedBeam land_beam(CoverageRay r0, CoverageRay r1, CoverageRay r2, float flux,
     bool lands1 = land_ray(r1, frame, p1, way1);
     bool lands2 = land_ray(r2, frame, p2, way2);
     LandedBeam beam;
-    if (lands0 && lands1 && lands2 && flux > 0.0) {
+    if (lands0 && lands1 && lands2 && power.x + power.y + power.z > 0.0) {
         precise float way = max((way0 + way1 + way2) / 3.0, 0.0);
         beam.x = vec3(p0.x, p1.x, p2.x);
         beam.y = vec3(p0.y, p1.y, p2.y);
-        beam.power = color * flux;
+        beam.power = power;
         if (absorption.x > 0.0) beam.power.x *= decay(absorption.x * way);
         if (absorption.y > 0.0) beam.power.y *= decay(absorption.y * way);
         if (absorption.z > 0.0) beam.power.z *= decay(absorption.z * way);

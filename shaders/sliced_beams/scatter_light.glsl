@@ -106,7 +106,7 @@ vec3 light_of(vec3 weight, float enter, float leave, out float change) {
     Node n0 = node_at(middle - reach), n1 = node_at(middle), n2 = node_at(middle + reach);
     vec3 most = push.extinction;
     change = abs(n2.path - n0.path) / kNode * max(max(most.x, most.y), most.z);
-    weight *= 0.5 * (leave - enter) * part_half * beams[taken].flux;
+    weight *= 0.5 * (leave - enter) * part_half;
     weight *= vec3(n0.stretch * phase(n0.squared_sine), n1.stretch * phase(n1.squared_sine),
                    n2.stretch * phase(n2.squared_sine));
     vec3 path = max(vec3(n0.path, n1.path, n2.path), vec3(0.0));
@@ -115,7 +115,7 @@ vec3 light_of(vec3 weight, float enter, float leave, out float change) {
         vec3 depth = push.extinction[c] * path;
         light[c] = dot(weight, vec3(decay(depth.x), decay(depth.y), decay(depth.z)));
     }
-    return push.scattered * light;
+    return push.scattered * beams[taken].flux * light;
 }
 
 // Adds the light of a piece that lies within the beam, in the water and before all that may stop it, and that is

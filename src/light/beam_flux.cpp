@@ -287,7 +287,6 @@ FluxSurvey fill_flux(const scene::TriangleMesh& mesh, const WaterLight& light, d
         }
         if (flux > 0) survey.axes |= cones & -cones;
         if (std::countr_zero(cones) != axis_index) return 0.0;
-        survey.beams += flux > 0 ? 1 : 0;
         return flux;
     };
     with_rays(light, [&](const auto& rays) {
@@ -303,7 +302,6 @@ FluxSurvey fill_flux(const scene::TriangleMesh& mesh, const WaterLight& light, d
         total.faces_away |= tile.faces_away;
         total.steepest_squared = std::max(total.steepest_squared, tile.steepest_squared);
         total.axes |= tile.axes;
-        total.beams += tile.beams;
         total.losses += tile.losses;
     }
     return total;

@@ -54,7 +54,6 @@ struct FluxSurvey {
     bool faces_away = false;      ///< some triangle does not face the light: shadows on the water can be
     double steepest_squared = 0;  ///< square of the largest slope of a triangle; infinite for overhangs
     std::uint32_t axes = 0;       ///< bit k: a triangle fits sheet_axes()[k] and none before it
-    std::size_t beams = 0;        ///< triangles of this sheet with flux
     BeamLosses losses;
 };
 

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <optional>
+#include <span>
 
 #include "base/parallel.h"
 #include "light/beam_axes.h"
@@ -17,7 +19,7 @@
 namespace dapple::light {
 namespace {
 
-/// One of the channels that are traced together, or all.
+/// A channel that is traced by itself, or all.
 struct Band {
     const char* name = "";
     glm::dvec3 mask{1, 1, 1};
@@ -27,13 +29,18 @@ struct Band {
 };
 constexpr std::array<const char*, kSheetAxes> kAxisNames = {"", " +x", " -x", " +z", " -z", " +y", " -y"};
 
+/// By how much the refractive index of blue is greater than that of red, where that parts their ways.
+double dispersion_of(const scene::Water& water, Event event) {
+    return event == Event::transmission ? water.dispersion : 0;
+}
+
 /// One band where all channels go the same ways: without dispersion, and `dimmed_alike` before the surface.
-std::vector<Band> bands_of(const scene::Water& water, Event event, bool dimmed_alike) {
-    const double dispersion = event == Event::transmission ? water.dispersion : 0;
+std::vector<Band> bands_of(double dispersion, bool dimmed_alike) {
     if (!(dispersion > 0) && dimmed_alike) return {{}};
-    return {{" red", {1, 0, 0}, -0.5 * dispersion, 0, false},
-            {" green", {0, 1, 0}, 0, 1, true},
-            {" blue", {0, 0, 1}, 0.5 * dispersion, 2, false}};
+    const bool named = dispersion > 0;
+    return {{named ? " red" : "", {1, 0, 0}, -0.5 * dispersion, 0, false},
+            {named ? " green" : "", {0, 1, 0}, 0, 1, true},
+            {named ? " blue" : "", {0, 0, 1}, 0.5 * dispersion, 2, false}};
 }
 
 /// What light meets between its source and the water.
@@ -106,6 +113,42 @@ ChainSetup chain_setup(const scene::FrameScene& scene, Chain chain, int sun_samp
     return setup;
 }
 
+/// Sheets of channels that go the same ways, as one for each axis, tinted. `color`: of them all. A channel
+/// may lack sheets that it has no flux in.
+template <class Real>
+std::vector<BeamSheet<Real>> tinted(std::span<std::vector<BeamSheet<Real>>> channels,
+                                    const glm::dvec3& color) {
+    const double all = color.r + color.g + color.b;
+    const glm::dvec3 weights = all > 0 ? color / all : glm::dvec3(1.0 / 3);
+    std::vector<BeamSheet<Real>> merged;
+    for (int c = 0; c < 3; ++c) {
+        for (BeamSheet<Real>& sheet : channels[static_cast<std::size_t>(c)]) {
+            const std::vector<Real> flux = std::move(sheet.flux);
+            const BeamLosses losses = sheet.losses.scaled(weights[c]);
+            auto to = std::find_if(merged.begin(), merged.end(), [&](const BeamSheet<Real>& s) {
+                return s.world_from_mesh == sheet.world_from_mesh;
+            });
+            if (to == merged.end()) {
+                to = merged.insert(to, std::move(sheet));
+                to->color = color;
+                to->losses = {};
+                to->tint.assign(flux.size(), glm::vec<3, Real>(0));
+            }
+            to->counts_paths |= sheet.counts_paths;
+            to->losses += losses;
+            for (std::size_t i = 0; i < flux.size(); ++i) to->tint[i][c] = weights[c] > 0 ? flux[i] : Real(0);
+        }
+    }
+    const glm::vec<3, Real> shares(weights);
+    for (BeamSheet<Real>& sheet : merged) {
+        for (glm::vec<3, Real>& tint : sheet.tint) {
+            const Real flux = sheet.flux.emplace_back(glm::dot(tint, shares));
+            tint = flux > 0 ? tint / flux : tint;
+        }
+    }
+    return merged;
+}
+
 /// Traces the sheets of one direction and band and appends those that hold beams, the first in any case.
 template <class Real>
 class SheetTracer {
@@ -150,7 +193,6 @@ public:
                 visible = visible_shares(scene_, rays_, light);
                 survey = fill(light, eta, k, visible, sheet);
             }
-            beams_ += survey.beams;
             wanted |= survey.axes;
             if (sheets.size() == first + 1) sheet.losses = survey.losses;
             if (events_.flattest_squared <= survey.steepest_squared) {
@@ -160,8 +202,6 @@ public:
             }
         }
     }
-
-    std::size_t beams() const { return beams_; }
 
 private:
     FluxSurvey fill(const WaterLight& light, double eta, int axis,
@@ -176,7 +216,6 @@ private:
     ChainSetup setup_;
     VertexEvents events_;
     std::optional<SteepnessMap> steepness_;  // once some ray is flatter than some triangle
-    std::size_t beams_ = 0;
 };
 
 template <class Real>
@@ -211,6 +250,14 @@ BeamLosses& BeamLosses::operator+=(const BeamLosses& other) {
     return *this;
 }
 
+BeamLosses BeamLosses::scaled(double share) const {
+    BeamLosses part = *this;
+    for (double* const loss : {&part.absorbed, &part.wave_shadow, &part.total_reflection, &part.outside_cone,
+                               &part.not_finite, &part.second_crossing})
+        *loss *= share;
+    return part;
+}
+
 template <class Real>
 std::vector<BeamSheet<Real>> water_beams(const scene::FrameScene& scene, const rays::RayScene& rays,
                                          Chain chain, int sun_samples, FrameStats& stats) {
@@ -234,21 +281,31 @@ std::vector<BeamSheet<Real>> water_beams(const scene::FrameScene& scene, const r
         std::optional<std::vector<float>> visible;  // the same for all bands
         const bool first = sheets.empty();
         const WayToWater way = way_to_water(scene, media, light);
-        for (Band band : bands_of(*scene.state.water, setup.event, way.alike && picture.grey())) {
+        const double dispersion = dispersion_of(*scene.state.water, setup.event);
+        std::vector<std::vector<BeamSheet<Real>>> bands;
+        for (Band band : bands_of(dispersion, way.alike && picture.grey())) {
             light.channel = band.channel;
             light.extinction = way.extinction[band.channel];
             light.depths = way.depths[static_cast<std::size_t>(band.channel)];
             band.counts_paths &= first;
             tracer.trace(light, band, directions.size() > 1 ? name + ' ' + std::to_string(i + 1) : name,
-                         visible, sheets);
+                         visible, bands.emplace_back());
         }
+        if (bands.size() == 3 && !(dispersion > 0)) bands = {tinted<Real>(bands, setup.color)};
+        for (std::vector<BeamSheet<Real>>& band : bands)
+            sheets.insert(sheets.end(), std::make_move_iterator(band.begin()),
+                          std::make_move_iterator(band.end()));
     }
-    stats.count("beams", static_cast<double>(tracer.beams()));
+    std::size_t beams = 0;
+    for (const BeamSheet<Real>& sheet : sheets)
+        beams += static_cast<std::size_t>(
+            std::count_if(sheet.flux.begin(), sheet.flux.end(), [](Real flux) { return flux > 0; }));
+    stats.count("beams", static_cast<double>(beams));
     count_losses(sheets, stats);
     return sheets;
 }
 
-bool may_part_channels(const scene::FrameState& state, const scene::Light& light) {
+bool may_tint(const scene::FrameState& state, const scene::Light& light) {
     const auto uneven = [](const glm::dvec3& extinction) { return extinction != glm::dvec3(extinction.g); };
     const bool from_below = light.type != scene::LightType::sun && light.position.y < 0;
     const scene::MediumSide other = from_below ? scene::MediumSide::air : scene::MediumSide::water;

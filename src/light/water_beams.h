@@ -25,6 +25,8 @@ struct BeamLosses {
     double second_crossing = 0;
 
     BeamLosses& operator+=(const BeamLosses& other);
+    /// That share of the flux.
+    BeamLosses scaled(double share) const;
 };
 
 /// A beam mesh whose grid is the water mesh itself: every vertex is a ray just after one event at the water,
@@ -44,8 +46,8 @@ struct BeamSheet {
     bool from_below = false;  ///< the light is under water: T lands in the air, R in the water
     /// Whether the rays travel through the water after the event.
     bool in_water() const { return from_below == (event == Event::reflection); }
-    /// Of a chain's bands and directions the one by which paths are counted, whatever the light's colour: the
-    /// first direction's, all channels or green. All sheets of other axes of that one have it too.
+    /// Of a chain's channels and directions the one by which paths are counted, whatever the light's colour:
+    /// the first direction's, all channels or green. All sheets of other axes of that one have it too.
     bool counts_paths = true;
 
     /// Direction of travel of the light of this sheet (a sun: one direction of its disc); 0 for point, spot.
@@ -65,6 +67,17 @@ struct BeamSheet {
     /// light of unit irradiance (sun: m^2) or unit intensity (point, spot: sr). 0 where a vertex has no ray;
     /// never negative.
     std::vector<Real> flux;
+    /// Of a triangle, by how much more of a channel there is than of all, where channels that go the same
+    /// ways are not dimmed or coloured alike before the surface: `flux` is the mean of theirs, weighted by
+    /// `color`. Empty: they are alike.
+    std::vector<glm::vec<3, Real>> tint;
+    glm::vec<3, Real> tint_of(std::size_t triangle) const {
+        return tint.empty() ? glm::vec<3, Real>(1) : tint[triangle];
+    }
+    /// W a channel.
+    glm::dvec3 power(std::size_t triangle) const {
+        return static_cast<double>(flux[triangle]) * color * glm::dvec3(tint_of(triangle));
+    }
     /// The part of the sun's disc that this sheet stands for: semi-axes of the ellipse by which a landing
     /// point moves, in (a, b), m a m of way along the axis below the surface; 0: none. For flat water; u is
     /// in the plane of incidence. 0 also on sheets about other axes that flat water sends nothing along.
@@ -78,18 +91,19 @@ struct BeamSheet {
 
 /// Beams of one light after one event, in a fixed order: the directions of the sun's disc (`sun_samples`
 /// equal parts of it, the same in every frame; 1: its middle; each with its part's ellipse), within these
-/// the channels (one sheet for all where neither dispersion nor extinction before the surface, by the water
-/// about a lamp or by bounded media, nor the colours of a spot's picture tell them apart), within these the
-/// axes where one cone cannot hold all directions: every triangle has flux in one of these at most, the first
-/// that holds its three rays. dot(direction, axis) > 0.1 for all rays. Fluxes of the two chains of a light,
-/// with their losses (but for second crossings), sum to what the light sends onto the lit side of the water.
-/// Occlusion by objects is not in the fluxes. Empty where the light has set or is in the rest plane.
+/// the channels where dispersion parts their ways, within these the axes where one cone cannot hold all
+/// directions: every triangle has flux in one of these at most, the first that holds its three rays. Beams
+/// of all channels are tinted where extinction before the surface, by the water about a lamp or by bounded
+/// media, or the colours of a spot's picture tell these apart. dot(direction, axis) > 0.1 for all rays.
+/// Fluxes of the two chains of a light, with their losses (but for second crossings), sum to what the light
+/// sends onto the lit side of the water. Occlusion by objects is not in the fluxes. Empty where the light has
+/// set or is in the rest plane.
 template <class Real>
 std::vector<BeamSheet<Real>> water_beams(const scene::FrameScene& scene, const rays::RayScene& rays,
                                          Chain chain, int sun_samples, FrameStats& stats);
 
-/// Whether the channels of a light may be dimmed or coloured unevenly before the surface, so that they have
-/// sheets of their own: by the state alone, for the memory that is needed.
-bool may_part_channels(const scene::FrameState& state, const scene::Light& light);
+/// Whether the channels of a light may be dimmed or coloured unevenly before the surface, so that its beams
+/// are tinted: by the state alone, for the memory that is needed.
+bool may_tint(const scene::FrameState& state, const scene::Light& light);
 
 }  // namespace dapple::light

@@ -99,8 +99,7 @@ public:
     glm::dvec3 power() const {
         glm::dvec3 sum(0);
         for (const auto& sheet : sheets_)
-            for (const Real flux : sheet->sheet().flux)
-                sum += static_cast<double>(flux) * sheet->sheet().color;
+            for (std::size_t i = 0; i < sheet->sheet().flux.size(); ++i) sum += sheet->sheet().power(i);
         return sum;
     }
     const std::vector<std::unique_ptr<methods::sliced_beams::SheetCoverage<Real>>>& sheets() const {

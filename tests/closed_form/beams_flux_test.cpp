@@ -72,7 +72,7 @@ glm::dvec3 through_plane(const scene::FrameScene& scene, const light::BeamSheet<
             way[k] = (depth + scene.water->mesh.positions[corner].y) / -direction.y;
         }
         for (int c = 0; c < 3; ++c)
-            sum[c] += sheet.color[c] * sheet.flux[i] *
+            sum[c] += sheet.power(i)[c] *
                       mean_left(extinction[c] * way[0], extinction[c] * way[1], extinction[c] * way[2]);
     }
     return sum;

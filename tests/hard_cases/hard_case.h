@@ -31,7 +31,7 @@ public:
     CaughtLight(const scene::FrameState& state, light::Event event)
         : scene_(render::FrameSceneBuilder().build(state)), rays_(scene_) {
         for (auto& sheet : light::water_beams<float>(scene_, rays_, {0, event}, 1, stats_)) {
-            for (const float flux : sheet.flux) carried_ += static_cast<double>(flux) * sheet.color.r;
+            for (std::size_t i = 0; i < sheet.flux.size(); ++i) carried_ += sheet.power(i).r;
             sheets_.push_back(std::make_unique<methods::sliced_beams::SheetCoverage<float>>(
                 scene_, rays_, std::move(sheet), kDeepest));
         }

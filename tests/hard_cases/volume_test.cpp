@@ -104,8 +104,7 @@ double expected_mean(const scene::FrameState& state, const Slab& slab) {
             for (int k = 0; k < 3; ++k) {
                 const auto& ray = sheet.rays[scene.water->mesh.triangles[i][k]];
                 const glm::dvec3 way = sheet.world_from_mesh * glm::dvec3(ray.slope_a, ray.slope_b, 1);
-                sum +=
-                    sheet.color.r * sheet.flux[i] / 3 * (slab.bottom - slab.top) * glm::length(way) / -way.y;
+                sum += sheet.power(i).r / 3 * (slab.bottom - slab.top) * glm::length(way) / -way.y;
             }
         }
     }

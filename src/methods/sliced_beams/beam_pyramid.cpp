@@ -154,10 +154,12 @@ void BeamPyramid<Real>::build_finest(std::span<const glm::uvec3> triangles) {
                              third * stretch,
                              sheet_.start[vertex],
                              sheet_.start[vertex],
-                             0};
+                             0,
+                             {}};
                     widen(slopes, ray.slope_a, ray.slope_b);
                 }
                 sums.flux += sheet_.flux[beam];
+                sums.tinted += sheet_.flux[beam] * sheet_.tint_of(beam);
             }
             if (sums.flux > 0) {
                 sums.bend = std::max(size(ends.near), size(ends.far)) * size(slopes);

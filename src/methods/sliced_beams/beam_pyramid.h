@@ -49,6 +49,7 @@ public:
         /// m, largest product of a cluster's size and its spread of slopes: by so much, times how far a plane
         /// leans, a beam's straight edges there may leave the bounds of its slices.
         Real bend = 0;
+        glm::vec<3, Real> tinted{0, 0, 0};  ///< flux of each channel
 
         Sums& operator+=(const Sums& other) {
             bend = std::max(bend, other.bend);
@@ -61,6 +62,7 @@ public:
             flux_slope_b += other.flux_slope_b;
             flux_start += other.flux_start;
             flux_stretch += other.flux_stretch;
+            tinted += other.tinted;
             return *this;
         }
     };

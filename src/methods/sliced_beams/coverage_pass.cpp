@@ -23,7 +23,7 @@ static_assert(sizeof(layout::LandedBeam) == 36);
 static_assert(sizeof(layout::CoverageBlock) == 8);
 static_assert(sizeof(layout::PlanarReceiver) == 28);
 static_assert(sizeof(layout::CurvedReceiver) == 52);
-static_assert(sizeof(CoveragePush) == 28);
+static_assert(sizeof(CoveragePush) == 16);
 
 constexpr std::size_t kBatchTiles = 1024;  ///< found before the device is asked: bounds the host's lists
 constexpr std::size_t kChunkTiles = 4;
@@ -137,7 +137,7 @@ struct CoveragePass::State {
                 const Sizes& all, gpu::PassList& passes);
 
     struct Sheet {
-        gpu::Buffer rays, flux;
+        gpu::Buffer rays, power;
     };
     gpu::Device& device;
     gpu::ComputePipeline land, cover_planar, cover_curved;
@@ -167,7 +167,7 @@ bool CoveragePass::begin(Sheets sheets) {
     for (const auto& coverage : sheets) {
         const light::BeamSheet<float>& sheet = coverage->sheet();
         gpu::Buffer rays(s.device, "rays", vertices * sizeof(CoverageRay), device_memory);
-        gpu::Buffer flux(s.device, "flux", sheet.flux.size() * sizeof(float), device_memory);
+        gpu::Buffer power(s.device, "power of beams", sheet.flux.size() * sizeof(glm::vec3), device_memory);
         const std::span<CoverageRay> to = rays.as<CoverageRay>();
         parallel_for(vertices, kVertices, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
@@ -175,8 +175,12 @@ bool CoveragePass::begin(Sheets sheets) {
                 to[i] = {{ray.a, ray.b, ray.slope_a, ray.slope_b}, sheet.start[i]};
             }
         });
-        std::copy(sheet.flux.begin(), sheet.flux.end(), flux.as<float>().begin());
-        s.on_device.push_back({std::move(rays), std::move(flux)});
+        const std::span<glm::vec3> powers = power.as<glm::vec3>();
+        const glm::vec3 color(sheet.color);
+        parallel_for(powers.size(), kVertices, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) powers[i] = color * (sheet.flux[i] * sheet.tint_of(i));
+        });
+        s.on_device.push_back({std::move(rays), std::move(power)});
     }
     s.sheets = sheets;
     return true;
@@ -323,12 +327,12 @@ void CoveragePass::State::record(std::size_t key, std::span<const Chunk> chunks,
 
     const SheetCoverage<float>& coverage = *sheets[key / kKinds];
     const Sheet& sheet = on_device[key / kKinds];
-    CoveragePush push{glm::vec3(coverage.sheet().color), glm::vec3(coverage.extinction()),
-                      static_cast<std::uint32_t>(all.blocks)};
+    CoveragePush push{glm::vec3(coverage.extinction()), static_cast<std::uint32_t>(all.blocks)};
     if (flat) {
         const gpu::Buffer &frames = *b.frames, &landed = *b.landed;
-        gpu::Bindings landing{.buffers = {&sheet.rays, &sheet.flux, &*triangles, &clusters, &frames, &landed},
-                              .writes = {&landed}};
+        gpu::Bindings landing{
+            .buffers = {&sheet.rays, &sheet.power, &*triangles, &clusters, &frames, &landed},
+            .writes = {&landed}};
         CoveragePush beams = push;
         beams.count = static_cast<std::uint32_t>(all.clusters * kClusterBeams);
         landing.set_push(beams);
@@ -338,7 +342,7 @@ void CoveragePass::State::record(std::size_t key, std::span<const Chunk> chunks,
         covering.set_push(push);
         passes.compute("coverage", cover_planar, std::move(covering), groups(all.blocks));
     } else {
-        gpu::Bindings covering{.buffers = {&sheet.rays, &sheet.flux, &*triangles, &clusters, &blocks, &list,
+        gpu::Bindings covering{.buffers = {&sheet.rays, &sheet.power, &*triangles, &clusters, &blocks, &list,
                                            &places, &irradiance},
                                .writes = {&irradiance}};
         covering.set_push(push);

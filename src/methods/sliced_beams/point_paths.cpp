@@ -65,8 +65,7 @@ private:
         path.way = glm::length(local.position - water);
         const double landed_area =
             0.5 * glm::length(glm::cross(landed[1] - landed[0], landed[2] - landed[0]));
-        path.irradiance =
-            beams.flux[hit.beam] / landed_area * beams.color * glm::exp(-path.way * sheet.extinction());
+        path.irradiance = beams.power(hit.beam) / landed_area * glm::exp(-path.way * sheet.extinction());
         path.jacobian = area(at_point) / area(at_start);
         path.sign = hit.sign;
         path.near_fold = hit.near_fold;

@@ -16,7 +16,7 @@ namespace dapple::methods::sliced_beams {
 namespace {
 
 static_assert(sizeof(layout::ScatterRay) == 20);
-static_assert(sizeof(layout::ScatterBeam) == 24);
+static_assert(sizeof(layout::ScatterBeam) == 32);
 static_assert(sizeof(layout::ScatterNode) == 56);
 static_assert(sizeof(layout::ScatterSlab) == 12);
 static_assert(sizeof(layout::ScatterSegment) == 28);

@@ -163,7 +163,7 @@ bool ScatterQuery<Real>::add_even(const L& enter, const L& leave, const Mask<Rea
 
 template <class Real>
 bool ScatterQuery<Real>::begin_moments(const BeamCluster<Real>& cluster, const Mask<Real>& met) {
-    if (uneven_) return false;
+    if (uneven_ || !sheet_.coverage_.sheet().tint.empty()) return false;
     const Real lean = std::abs(direction_.shift.x) + std::abs(direction_.shift.y);
     const Real start = Real(0.5) * (cluster.first_start + cluster.last_start);
     const Real stretch = Real(0.5) * (cluster.least_stretch + cluster.most_stretch);

@@ -59,6 +59,7 @@ void ScatterQuery<Real>::add_cluster(const BeamCluster<Real>& cluster, const Mas
             beam_ = beam.triangle;
             shade_ = beam.shade;
             flux_ = 2 * sheet.flux[beam_];
+            if (!sheet.tint.empty()) color_ = Vec3<Real>(sheet.color) * sheet.tint[beam_];
             for (int k = 0; k < 3; ++k) {
                 corner_[k] = corners_[beam.corner[k]];
                 edge_[k] = &cluster_.edge(i, k);

@@ -135,7 +135,7 @@ private:
     L (&radiance_)[3];
     L (*target_)[3];  ///< of add_piece: radiance_, or what is to be tested first
     ScatterCounts& counts_;
-    Vec3<Real> color_;
+    Vec3<Real> color_;  ///< of the beam, tinted
 
     SegmentParts<Real> part_{};
     L middle_{}, half_{};                                 ///< of the part, m along the segments

@@ -64,7 +64,7 @@ LightDirection<Real> ScatterSheet<Real>::direction(glm::dvec2 disc) const {
 template <class Real>
 glm::dvec3 ScatterSheet<Real>::collapsed() const {
     const light::BeamSheet<Real>& sheet = coverage_.sheet();
-    double flux = 0;
+    glm::dvec3 power(0);
     for (std::size_t i = 0; i < sheet.flux.size(); ++i) {
         if (!(sheet.flux[i] > 0)) continue;
         const glm::uvec3& t = coverage_.triangles()[i];
@@ -75,9 +75,9 @@ glm::dvec3 ScatterSheet<Real>::collapsed() const {
             return x.x * y.y - y.x * x.y;
         };
         if (cross(e0, f0) == 0 && cross(e1, f0) + cross(e0, f1) == 0 && cross(e1, f1) == 0)
-            flux += static_cast<double>(sheet.flux[i]);
+            power += sheet.power(i);
     }
-    return flux * sheet.color;
+    return power;
 }
 
 template <class Real>

@@ -24,13 +24,14 @@ void add_beams(const ScatterSheet<float>& sheet, const BeamCluster<float>& clust
         const auto& beam = cluster.beam[i];
         if (beam.shade & (Ways::kMixedAfter | Ways::kMixedBefore)) continue;
         const glm::uvec3& corner = sheet.coverage().triangles()[beam.triangle];
-        const std::vector<float>& start = sheet.coverage().sheet().start;
+        const light::BeamSheet<float>& from = sheet.coverage().sheet();
+        const std::vector<float>& start = from.start;
         const bool cut = (beam.shade & Ways::kCut) != 0;
         const auto stop = [&](std::uint32_t vertex) {
             return cut ? finite(sheet.ways().stop(vertex)) : kFar;
         };
         tree.beams.push_back({{corner.x, corner.y, corner.z},
-                              2 * sheet.coverage().sheet().flux[beam.triangle],
+                              2 * from.flux[beam.triangle] * from.tint_of(beam.triangle),
                               std::max({start[corner.x], start[corner.y], start[corner.z]}),
                               std::min({stop(corner.x), stop(corner.y), stop(corner.z)})});
     }

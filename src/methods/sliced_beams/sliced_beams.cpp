@@ -123,10 +123,9 @@ struct SheetCounts {
 SheetCounts sheet_counts(const scene::FrameState& state, const scene::Light& light) {
     const bool disc = light.type == scene::LightType::sun && light.angular_diameter > 0;
     const double parts = disc ? state.caustics.sliced_beams.sun_samples : 1;
-    const double dimmed = light::may_part_channels(state, light) ? 3 : 1;
-    const double bands = state.water->dispersion > 0 ? 3 : dimmed;
+    const double bands = state.water->dispersion > 0 ? 3 : 1;
     // Lamps send reflected light about further axes: five sheets, measured for a low one.
-    return {parts * bands, parts * dimmed * (light.type == scene::LightType::sun ? 1 : 5)};
+    return {parts * bands, parts * (light.type == scene::LightType::sun ? 1 : 5)};
 }
 
 }  // namespace
@@ -146,17 +145,22 @@ std::size_t SlicedBeams::bytes(const scene::FrameState& state, std::size_t) cons
                 (ScatterBounds<float>::bytes_a_cluster() + sizeof(sliced_beams::BeamCluster<float>)) /
                     double{sliced_beams::kClusterBeams};
     }
-    double sheets = 0;
+    double sheets = 0, tinted = 0;
     for (const scene::Light& light : state.lights) {
         const SheetCounts counts = sheet_counts(state, light);
         sheets += counts.transmitted + counts.reflected;
+        if (light::may_tint(state, light)) tinted += counts.transmitted + counts.reflected;
     }
     // While beams are traced and paths counted: events of vertices, shares and flags of triangles; on the
     // device a copy of the rays and indices of corners.
     const double vertices = static_cast<double>(mesh.vertices),
                  triangles = static_cast<double>(mesh.triangles);
     const double depths = state.media.empty() ? 0 : 3 * sizeof(float);
-    const double beside = (29 + depths) * vertices + 22 * triangles;
+    double beside = (29 + depths) * vertices + 22 * triangles;
+    // Channels are traced one by one before they are one sheet.
+    constexpr double tint = sizeof(glm::vec3);
+    if (tinted > 0)
+        beside += 2 * (sizeof(light::BeamSheet<float>::Ray) + 5) * vertices + (tinted + 1) * tint * triangles;
     const double columns =
         state.media.empty() ? 0 : sliced_beams::RayColumns<float>::bytes(vertices, state.media.size());
     return static_cast<std::size_t>(

@@ -34,6 +34,14 @@ void Tile<Real>::land_cluster(NodeId node, const LandingFrame<Real>& frame, LitC
         return beam != kNoBeam && sheet_.columns().dims(beam);
     });
     lit.cut_by_surface = false;
+    const auto tinted = [&](int chunk, int channel, Lanes<Real> flux) {
+        if (sheet_.sheet_.tint.empty()) return flux;
+        for (int lane = 0; lane < kLanes<Real>; ++lane) {
+            const std::uint32_t beam = rays.beam[static_cast<std::size_t>(chunk * kLanes<Real> + lane)];
+            if (beam != kNoBeam) flux[lane] *= sheet_.sheet_.tint[beam][channel];
+        }
+        return flux;
+    };
     for (int c = 0; c < kChunks<Real>; ++c) {
         LandedChunk<Real>& landed = lit.landed[c];
         land(rays, c, frame, landed);
@@ -49,7 +57,7 @@ void Tile<Real>::land_cluster(NodeId node, const LandingFrame<Real>& frame, LitC
         const Lanes<Real> way = greater(landed.way, Lanes<Real>{});
         const glm::vec<3, Real> color(sheet_.sheet_.color), extinction(sheet_.extinction_);
         const auto colored = [&](int channel) {
-            const Lanes<Real> lossless = color[channel] * flux;
+            const Lanes<Real> lossless = color[channel] * tinted(c, channel, flux);
             return extinction[channel] > 0 ? lossless * decay(extinction[channel] * way) : lossless;
         };
         lit.red[c] = colored(0);
@@ -323,7 +331,7 @@ Vec3<Real> Tile<Real>::whole(const Local& local, NodeId node) {
     const Real lands = glm::dot(r.normal, r.position - passes) / glm::dot(r.normal, slope);
     const Real way = (lands - inverse * sums.flux_start) * (inverse * sums.flux_stretch);
     const Vec3<Real> color(sheet_.sheet_.color), extinction(sheet_.extinction_);
-    return sums.flux * color * glm::exp(-std::max(Real(0), way) * extinction);
+    return sums.tinted * color * glm::exp(-std::max(Real(0), way) * extinction);
 }
 
 template void Tile<float>::cover();
