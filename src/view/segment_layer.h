@@ -4,6 +4,8 @@
 #include <glm/glm.hpp>
 #include <vector>
 
+#include "base/large_vector.h"
+
 namespace dapple::view {
 
 /// The pieces of the camera paths of one receiver layer that lie in a medium that scatters. A piece is
@@ -16,16 +18,16 @@ struct SegmentLayer {
     int branch = 0;
     std::vector<std::uint32_t> first;  ///< width * height + 1 entries
 
-    std::vector<glm::vec3> origin;     ///< the end nearer to the camera
-    std::vector<glm::vec3> direction;  ///< unit, away from the camera
-    std::vector<float> length;         ///< m, finite: cut where nothing beyond it could be seen
-    std::vector<std::uint8_t> in_water;
-    std::vector<std::uint8_t> primary;  ///< 1 where nothing specular lies between the camera and the piece
+    LargeVector<glm::vec3> origin;     ///< the end nearer to the camera
+    LargeVector<glm::vec3> direction;  ///< unit, away from the camera
+    LargeVector<float> length;         ///< m, finite: cut where nothing beyond it could be seen
+    LargeVector<std::uint8_t> in_water;
+    LargeVector<std::uint8_t> primary;  ///< 1 where nothing specular lies between the camera and the piece
     /// Of the path from the pixel to the near end: Fresnel, mirrors, extinction, n^2. What a pixel receives
     /// from the piece is throughput times S.
-    std::vector<glm::vec3> throughput;
+    LargeVector<glm::vec3> throughput;
     /// d(point at distance s)/d(pixel x) = spread_u_origin + s * spread_u_direction; v: a pixel down.
-    std::vector<glm::vec3> spread_u_origin, spread_u_direction, spread_v_origin, spread_v_direction;
+    LargeVector<glm::vec3> spread_u_origin, spread_u_direction, spread_v_origin, spread_v_direction;
     std::size_t segments() const { return origin.size(); }
 };
 
