@@ -28,7 +28,19 @@ typename ScatterQuery<Real>::BeamRay ScatterQuery<Real>::ray(const L& t) const {
     const L whole = w0 + w1 + w2;
     const auto thin = whole == 0;
     const L scale = splat(Real(1)) / (thin ? splat(Real(1)) : whole);
-    const L l1 = thin ? splat(Real(1) / 3) : w1 * scale, l2 = thin ? splat(Real(1) / 3) : w2 * scale;
+    return mixed(thin ? splat(Real(1) / 3) : w1 * scale, thin ? splat(Real(1) / 3) : w2 * scale);
+}
+
+/// Near a focus edges lose the digits that the area has: no share may leave [0, 1] for it.
+template <class Real>
+typename ScatterQuery<Real>::BeamRay ScatterQuery<Real>::ray(const L& t, const L& inverse_area) const {
+    const L one = splat(Real(1));
+    return mixed(lesser(magnitude((*edge_[1])(t)) * inverse_area, one),
+                 lesser(magnitude((*edge_[2])(t)) * inverse_area, one));
+}
+
+template <class Real>
+typename ScatterQuery<Real>::BeamRay ScatterQuery<Real>::mixed(const L& l1, const L& l2) const {
     const auto mix = [&](Real v0, Real v1, Real v2) {
         return multiply_add(l1, splat(v1 - v0), multiply_add(l2, splat(v2 - v0), splat(v0)));
     };
@@ -40,8 +52,7 @@ typename ScatterQuery<Real>::BeamRay ScatterQuery<Real>::ray(const L& t) const {
 }
 
 template <class Real>
-typename ScatterQuery<Real>::Node ScatterQuery<Real>::node(const L& t) const {
-    const BeamRay r = ray(t);
+typename ScatterQuery<Real>::Node ScatterQuery<Real>::node(const L& t, const BeamRay& r) const {
     Node n;
     const L depth = multiply_add(t, part_.half_depth, part_.depth);
     const L squared = multiply_add(r.slope_a, r.slope_a, multiply_add(r.slope_b, r.slope_b, splat(Real(1))));
@@ -135,26 +146,26 @@ void ScatterQuery<Real>::add_thin(const L& enter, const L& leave, const Mask<Rea
 }
 
 template <class Real>
-bool ScatterQuery<Real>::weigh_even(const L& middle, const L& half, const Mask<Real>& mask, L (&place)[2],
+bool ScatterQuery<Real>::weigh_even(const L& middle, const L& half, const Mask<Real>& mask, Node (&nodes)[2],
                                     L (&weight)[2]) {
     const auto [q0, q1, q2] = part_of(area_, middle, half);
     if (any(mask & ~(magnitude(q1) + Real(10) * magnitude(q2) <= Real(kTwoNodesEven) * magnitude(q0))))
         return false;
     constexpr Real u = Real(0.5773502691896258);  // Gauss & Legendre's rule, exact for degree three
     const L even = multiply_add(q2, splat(u * u), q0);
-    place[0] = middle - u * half;
-    place[1] = middle + u * half;
+    const L place[2] = {middle - u * half, middle + u * half};
     weight[0] = Real(1) / magnitude(even - u * q1);
     weight[1] = Real(1) / magnitude(even + u * q1);
+    for (int j = 0; j < 2; ++j) nodes[j] = node(place[j], ray(place[j], weight[j]));
     return true;
 }
 
 template <class Real>
 bool ScatterQuery<Real>::add_even(const L& enter, const L& leave, const Mask<Real>& mask) {
     const L middle = Real(0.5) * (enter + leave), half = Real(0.5) * (leave - enter);
-    L place[2], weight[2];
-    if (!weigh_even(middle, half, mask, place, weight)) return false;
-    const Node nodes[2] = {node(place[0]), node(place[1])};
+    Node nodes[2];
+    L weight[2];
+    if (!weigh_even(middle, half, mask, nodes, weight)) return false;
     const L change = magnitude(nodes[1].path - nodes[0].path) * (medium_.most * Real(1.7320508));
     if (any(mask & ~(change <= Real(kTwoNodesThin)))) return false;
     sum_up(nodes, weight, half, mask);
@@ -185,22 +196,24 @@ template <class Real>
 void ScatterQuery<Real>::add_moments(const L& enter, const L& leave, const Mask<Real>& mask) {
     const L middle = Real(0.5) * (enter + leave), half = Real(0.5) * (leave - enter);
     if constexpr (sizeof(Real) == 4) {
-        L place[2], weight[2];
-        if (weigh_even(middle, half, mask, place, weight)) return gather(place, weight, half, mask);
+        Node nodes[2];
+        L weight[2];
+        if (weigh_even(middle, half, mask, nodes, weight)) return gather(nodes, weight, half, mask);
     }
-    L weight[3], place[3];
+    Node nodes[3];
+    L weight[3];
     weigh(middle, half, mask, weight);
-    for (int j = 0; j < 3; ++j) place[j] = multiply_add(half, splat(Real(kNodes[j])), middle);
-    gather(place, weight, half, mask);
+    for (int j = 0; j < 3; ++j) nodes[j] = node(multiply_add(half, splat(Real(kNodes[j])), middle));
+    gather(nodes, weight, half, mask);
 }
 
 template <class Real>
 template <int kCount>
-void ScatterQuery<Real>::gather(const L (&place)[kCount], const L (&weight)[kCount], const L& half,
+void ScatterQuery<Real>::gather(const Node (&nodes)[kCount], const L (&weight)[kCount], const L& half,
                                 const Mask<Real>& mask) {
     const L scale = half * half_ * flux_;
     for (int j = 0; j < kCount; ++j) {
-        const Node n = node(place[j]);
+        const Node& n = nodes[j];
         L light = weight[j] * scale * n.stretch * (*medium_.phase)(n.squared_sine);
         const auto finite = light <= std::numeric_limits<Real>::max();
         if (any(mask & ~finite))

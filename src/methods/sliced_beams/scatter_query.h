@@ -76,13 +76,17 @@ private:
         L share[3];  ///< of the beam's rays in it
     };
     BeamRay ray(const L& t) const;
+    /// The same where the beam is about evenly wide, by one over twice its area there.
+    BeamRay ray(const L& t, const L& inverse_area) const;
+    BeamRay mixed(const L& second, const L& third) const;
     /// It, and what it loses and scatters.
     struct Node {
         L path;          ///< m from the water to the point, and back to the segment's near end
         L stretch;       ///< m of way a m of depth
         L squared_sine;  ///< of half the angle between the ways before and after
     };
-    Node node(const L& t) const;
+    Node node(const L& t) const { return node(t, ray(t)); }
+    Node node(const L& t, const BeamRay& ray) const;
 
     /// Whether light is dimmed so alike on all ways over a cluster that a few moments of them tell it:
     /// prepares them, together with those of clusters before where these are near.
@@ -105,10 +109,11 @@ private:
     bool add_even(const L& enter, const L& leave, const Mask<Real>& mask);
 
     /// Nodes of Gauss & Legendre's rule, of two, and weights of them; false: see add_even.
-    bool weigh_even(const L& middle, const L& half, const Mask<Real>& mask, L (&place)[2], L (&weight)[2]);
+    bool weigh_even(const L& middle, const L& half, const Mask<Real>& mask, Node (&nodes)[2], L (&weight)[2]);
 
     template <int kCount>
-    void gather(const L (&place)[kCount], const L (&weight)[kCount], const L& half, const Mask<Real>& mask);
+    void gather(const Node (&nodes)[kCount], const L (&weight)[kCount], const L& half,
+                const Mask<Real>& mask);
 
     template <int kCount>
     void sum_up(const Node (&nodes)[kCount], L (&weight)[kCount], const L& half, const Mask<Real>& mask);
