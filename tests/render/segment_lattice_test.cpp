@@ -23,10 +23,10 @@ view::SegmentLayer parallel_segments(int width, int height, const Length& length
             layer.length.push_back(static_cast<float>(length(x, y)));
             layer.in_water.push_back(1);
             layer.primary.push_back(1);
-            layer.throughput.emplace_back(1);
+            layer.throughput.emplace_back(1.0f);
             for (auto* spread : {&layer.spread_u_origin, &layer.spread_u_direction, &layer.spread_v_origin,
                                  &layer.spread_v_direction})
-                spread->emplace_back(0);
+                spread->emplace_back(0.0f);
             layer.first.push_back(layer.first.back() + 1);
         }
     }

@@ -35,10 +35,10 @@ struct LitSegments {
         layer.length.push_back(static_cast<float>(length));
         layer.in_water.push_back(in_water ? 1 : 0);
         layer.primary.push_back(1);
-        layer.throughput.emplace_back(1);
+        layer.throughput.emplace_back(1.0f);
         for (auto* spread : {&layer.spread_u_origin, &layer.spread_u_direction, &layer.spread_v_origin,
                              &layer.spread_v_direction})
-            spread->emplace_back(0);
+            spread->emplace_back(0.0f);
         layer.first.push_back(layer.first.back() + 1);
         ++layer.width;
     }
