@@ -32,6 +32,18 @@ struct BeamCluster {
     Real first_stop = std::numeric_limits<Real>::infinity();   ///< m, no beam is cut by an object before
     Real least_stretch = std::numeric_limits<Real>::infinity(), most_stretch = 0;  ///< m of way a m of depth
 
+    /// Asks for the parts that most clusters fill.
+    void prefetch() const {
+        const auto lines = [](const auto* first, std::size_t count) {
+            const auto* const bytes = reinterpret_cast<const char*>(first);
+            for (std::size_t at = 0; at < count * sizeof(*first); at += 64) __builtin_prefetch(bytes + at);
+        };
+        lines(ray, 9);
+        lines(edge, 16);
+        lines(beam, kClusterBeams);
+        lines(&vertices, 1);
+    }
+
     /// Its rays, turned by `shift`, m a m of depth from where they leave the water.
     void corners(glm::vec<2, Real> shift, BeamCorner<Real> (&corner)[kMost]) const {
         for (int k = 0; k < vertices; ++k)

@@ -19,13 +19,26 @@ constexpr std::size_t kPairsAtOnce = 4096;
 template <class Real>
 void ScatterQuery<Real>::run() {
     const BeamPyramid<Real>& pyramid = sheet_.coverage_.pyramid();
+    // Each cluster waits until the next one is found, while it comes from memory.
+    const BeamCluster<Real>* waiting = nullptr;
+    L waits_from{}, waits_to{};
+    const auto take_waiting = [&] {
+        if (waiting == nullptr) return;
+        const Mask<Real> met = waits_from <= waits_to;
+        counts_.clusters += static_cast<std::size_t>(__builtin_popcount(bits(met)));
+        take_part(waits_from, waits_to, met);
+        add_cluster(*waiting, met);
+    };
     sheet_.bounds_.visit(segments_, direction_.shift,
                          [&](typename BeamPyramid<Real>::NodeId node, const L& from, const L& to) {
-                             const Mask<Real> met = from <= to;
-                             counts_.clusters += static_cast<std::size_t>(__builtin_popcount(bits(met)));
-                             take_part(from, to, met);
-                             add_cluster(sheet_.clusters_[pyramid.index(node)], met);
+                             const BeamCluster<Real>& found = sheet_.clusters_[pyramid.index(node)];
+                             found.prefetch();
+                             take_waiting();
+                             waiting = &found;
+                             waits_from = from;
+                             waits_to = to;
                          });
+    take_waiting();
     settle_moments();
     settle_pairs();
 }
