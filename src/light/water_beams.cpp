@@ -7,6 +7,7 @@
 #include <limits>
 #include <optional>
 #include <span>
+#include <utility>
 
 #include "base/parallel.h"
 #include "light/beam_axes.h"
@@ -120,31 +121,41 @@ std::vector<BeamSheet<Real>> tinted(std::span<std::vector<BeamSheet<Real>>> chan
                                     const glm::dvec3& color) {
     const double all = color.r + color.g + color.b;
     const glm::dvec3 weights = all > 0 ? color / all : glm::dvec3(1.0 / 3);
+    constexpr std::size_t kTile = 1 << 14;
     std::vector<BeamSheet<Real>> merged;
     for (int c = 0; c < 3; ++c) {
         for (BeamSheet<Real>& sheet : channels[static_cast<std::size_t>(c)]) {
-            const std::vector<Real> flux = std::move(sheet.flux);
-            const BeamLosses losses = sheet.losses.scaled(weights[c]);
+            const std::vector<Real> flux = std::exchange(sheet.flux, {});
+            const BeamLosses losses = std::exchange(sheet.losses, {}).scaled(weights[c]);
+            const bool counts_paths = sheet.counts_paths;
             auto to = std::find_if(merged.begin(), merged.end(), [&](const BeamSheet<Real>& s) {
                 return s.world_from_mesh == sheet.world_from_mesh;
             });
             if (to == merged.end()) {
                 to = merged.insert(to, std::move(sheet));
                 to->color = color;
-                to->losses = {};
                 to->tint.assign(flux.size(), glm::vec<3, Real>(0));
             }
-            to->counts_paths |= sheet.counts_paths;
+            to->counts_paths |= counts_paths;
             to->losses += losses;
-            for (std::size_t i = 0; i < flux.size(); ++i) to->tint[i][c] = weights[c] > 0 ? flux[i] : Real(0);
+            to->losses.unknown_facets = losses.unknown_facets;  // the same of all channels
+            if (!(weights[c] > 0)) continue;
+            parallel_for(flux.size(), kTile, [&](std::size_t begin, std::size_t end) {
+                for (std::size_t i = begin; i < end; ++i) to->tint[i][c] = flux[i];
+            });
         }
     }
     const glm::vec<3, Real> shares(weights);
     for (BeamSheet<Real>& sheet : merged) {
-        for (glm::vec<3, Real>& tint : sheet.tint) {
-            const Real flux = sheet.flux.emplace_back(glm::dot(tint, shares));
-            tint = flux > 0 ? tint / flux : tint;
-        }
+        sheet.flux.resize(sheet.tint.size());
+        parallel_for(sheet.flux.size(), kTile, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) {
+                glm::vec<3, Real>& tint = sheet.tint[i];
+                const Real flux = glm::dot(tint, shares);
+                sheet.flux[i] = flux;
+                if (flux > 0) tint /= flux;
+            }
+        });
     }
     return merged;
 }

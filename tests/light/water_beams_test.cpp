@@ -329,6 +329,13 @@ TEST(WaterBeams, MediaBetweenTheLightAndTheWaterDimItChannelByChannel) {
         // Of the mean of the channels, weighted by the light's colour.
         EXPECT_NEAR(dimmed[0].losses.absorbed / flux(clear), 1 - glm::dot(shares, {3, 2, 1}) / 6, 1e-6);
     }
+    // Facets that nobody knows are the same for all channels.
+    const auto water = scene.water;
+    auto broken = std::make_shared<scene::WaterMesh>(*water);
+    broken->mesh.positions[10 * 41 + 10].y = std::nan("");
+    scene.water = broken;
+    EXPECT_EQ(beams<double>(scene, Event::transmission)[0].losses.unknown_facets, 6U);
+    scene.water = water;
     // Grey fog parts nothing, fog beside the light's way neither, fog under water is none before the surface.
     scene.state.media = {fog(1, 1.5, glm::dvec3(2))};
     const auto grey = beams<double>(scene, Event::reflection);
