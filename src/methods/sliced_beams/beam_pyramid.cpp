@@ -9,6 +9,20 @@
 namespace dapple::methods::sliced_beams {
 namespace {
 
+template <class Real>
+Box<Real> no_box() {
+    constexpr Real infinity = std::numeric_limits<Real>::infinity();
+    return {infinity, -infinity, infinity, -infinity};
+}
+
+template <class Real>
+void widen(Box<Real>& box, Real a, Real b) {
+    box.low_a = std::min(box.low_a, a);
+    box.high_a = std::max(box.high_a, a);
+    box.low_b = std::min(box.low_b, b);
+    box.high_b = std::max(box.high_b, b);
+}
+
 /// By the box of other beams, which may be empty: where none of them carries light.
 template <class Real>
 void widen(Box<Real>& box, const Box<Real>& other) {

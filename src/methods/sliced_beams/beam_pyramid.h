@@ -22,20 +22,6 @@ inline bool overlap(const Box<Real>& x, const Box<Real>& y) {
     return x.low_a <= y.high_a && x.high_a >= y.low_a && x.low_b <= y.high_b && x.high_b >= y.low_b;
 }
 
-/// That of no point.
-template <class Real>
-inline Box<Real> no_box() {
-    constexpr Real infinity = std::numeric_limits<Real>::infinity();
-    return {infinity, -infinity, infinity, -infinity};
-}
-template <class Real>
-inline void widen(Box<Real>& box, Real a, Real b) {
-    box.low_a = std::min(box.low_a, a);
-    box.high_a = std::max(box.high_a, a);
-    box.low_b = std::min(box.low_b, b);
-    box.high_b = std::max(box.high_b, b);
-}
-
 constexpr std::uint32_t kNoBeam = 0xffffffffu;
 
 /// Min/max pyramid over the landing points of a beam sheet. The finest nodes are clusters of up to eight

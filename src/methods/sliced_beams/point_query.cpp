@@ -18,8 +18,6 @@ constexpr double kFoldShare = 1.0 / 6;
 constexpr std::size_t kMostFoldClusters = 128;
 /// The same of a tile of points.
 constexpr std::size_t kMostFoldNodes = 2048;
-/// Points whose bounds are held against those of a cluster: a row of a tile.
-constexpr std::size_t kRun = 8;
 
 /// To within the rounding of positions.
 template <class Real>
@@ -310,13 +308,9 @@ void PointQuery<Real>::count_on_plane(std::span<const Receiver<Real>> locals,
     const LandingFrame<Real> frame(locals.front());
     const int upright = this->upright(locals.front());
     std::vector<glm::vec<2, Real>> places;
-    std::vector<Box<Real>> runs;  // bounds of the places of points that follow each other
     for (const Receiver<Real>& local : locals) {
         const Vec3<Real> offset = local.position - frame.position;
-        const auto& place =
-            places.emplace_back(glm::dot(frame.along_x, offset), glm::dot(frame.along_y, offset));
-        if (places.size() % kRun == 1) runs.push_back(no_box<Real>());
-        widen(runs.back(), place.x, place.y);
+        places.emplace_back(glm::dot(frame.along_x, offset), glm::dot(frame.along_y, offset));
     }
     Box<Real> bounds = point_box(locals.front());
     Reach at = reach(locals.front());
@@ -339,18 +333,7 @@ void PointQuery<Real>::count_on_plane(std::span<const Receiver<Real>> locals,
             const Lanes<Real> low_y = lesser(lesser(y[0], y[1]), y[2]);
             const Lanes<Real> high_y = greater(greater(y[0], y[1]), y[2]);
             const unsigned lands = bits(landed.lands);
-            if (lands == 0) continue;
-            Box<Real> covered = no_box<Real>();
-            for (unsigned left = lands; left != 0; left &= left - 1) {
-                const int lane = __builtin_ctz(left);
-                widen(covered, low_x[lane], low_y[lane]);
-                widen(covered, high_x[lane], high_y[lane]);
-            }
-            for (std::size_t i = 0; i < places.size(); ++i) {
-                if (i % kRun == 0 && !overlap(runs[i / kRun], covered)) {
-                    i += kRun - 1;
-                    continue;
-                }
+            for (std::size_t i = 0; lands != 0 && i < places.size(); ++i) {
                 const Real px = places[i].x, py = places[i].y;
                 unsigned lanes =
                     lands & bits((low_x <= px) & (high_x >= px) & (low_y <= py) & (high_y >= py));
