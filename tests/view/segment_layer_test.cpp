@@ -13,6 +13,12 @@
 namespace dapple::view {
 namespace {
 
+/// Of a pixel, by its place in rows of `width`.
+glm::dvec2 middle_of(std::size_t pixel, std::size_t width) {
+    const std::size_t row = pixel / width;
+    return {static_cast<double>(pixel % width) + 0.5, static_cast<double>(row) + 0.5};
+}
+
 using test::ViewScene;
 
 constexpr double kIndex = 1.333;
@@ -41,9 +47,7 @@ glm::dvec3 direction_of(const ViewScene& scene, std::size_t pixel) {
     const scene::Clip& clip = scene.frame.state.clip;
     glm::dvec3 origin, direction;
     const auto width = static_cast<std::size_t>(clip.width);
-    Camera(scene.frame.state.camera, clip.width, clip.height)
-        .ray({static_cast<double>(pixel % width) + 0.5, static_cast<double>(pixel / width) + 0.5}, origin,
-             direction);
+    Camera(scene.frame.state.camera, clip.width, clip.height).ray(middle_of(pixel, width), origin, direction);
     return direction;
 }
 
@@ -72,8 +76,7 @@ TEST(SegmentLayer, OnePieceFromACameraUnderWaterToTheFloor) {
         EXPECT_EQ(layer.throughput[i], glm::vec3(1));
         // The spread is the footprint of a plane across the direction: no origin, and the pixel's angle.
         glm::dvec3 origin_du, origin_dv, direction_du, direction_dv;
-        camera.ray_differentials({static_cast<double>(i % 8) + 0.5, static_cast<double>(i / 8) + 0.5},
-                                 origin_du, origin_dv, direction_du, direction_dv);
+        camera.ray_differentials(middle_of(i, 8), origin_du, origin_dv, direction_du, direction_dv);
         EXPECT_EQ(layer.spread_u_origin[i], glm::vec3(0));
         expect_near(layer.spread_u_direction[i], direction_du);
         expect_near(layer.spread_v_direction[i], direction_dv);
@@ -233,7 +236,7 @@ TEST(SegmentLayer, AnOrthographicPictureStartsOnBothSidesOfTheWater) {
     const Camera camera(scene.camera(), 8, 8);
     for (std::size_t i = 0; i < 64; ++i) {
         glm::dvec3 origin, direction;
-        camera.ray({static_cast<double>(i % 8) + 0.5, static_cast<double>(i / 8) + 0.5}, origin, direction);
+        camera.ray(middle_of(i, 8), origin, direction);
         const bool above = origin.y > 0;
         const double expected = above ? 6 / crossing.cos_t : (origin.y + 6) / -direction.y;
         EXPECT_NEAR(layer.length[i], expected, 1e-5);
@@ -269,8 +272,7 @@ TEST(SegmentLayer, InTheAirOnlyWhatMeetsAMedium) {
     std::size_t through = 0;
     for (std::size_t pixel = 0; pixel < 256; ++pixel) {
         glm::dvec3 origin, direction;
-        camera.ray({static_cast<double>(pixel % 16) + 0.5, static_cast<double>(pixel / 16) + 0.5}, origin,
-                   direction);
+        camera.ray(middle_of(pixel, 16), origin, direction);
         const bool meets = std::abs(origin.x) < 2 && std::abs(origin.z) < 2;
         through += meets;
         ASSERT_EQ(layer.first[pixel + 1] - layer.first[pixel], meets ? 1u : 0u) << pixel;

@@ -37,7 +37,8 @@ void Tile<Real>::land_cluster(NodeId node, const LandingFrame<Real>& frame, LitC
     const auto tinted = [&](int chunk, int channel, Lanes<Real> flux) {
         if (sheet_.sheet_.tint.empty()) return flux;
         for (int lane = 0; lane < kLanes<Real>; ++lane) {
-            const std::uint32_t beam = rays.beam[static_cast<std::size_t>(chunk * kLanes<Real> + lane)];
+            const std::uint32_t beam =
+                rays.beam[static_cast<std::size_t>(chunk) * kLanes<Real> + static_cast<std::size_t>(lane)];
             if (beam != kNoBeam) flux[lane] *= sheet_.sheet_.tint[beam][channel];
         }
         return flux;
